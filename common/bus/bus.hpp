@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Typed publish and subscribe over raw LCM subscriptions: the only door between modules and LCM.
+///
+/// A Transport owns one LCM connection (a network or the in-process queue); each module talks through
+/// its own Bus on it, which counts what it received, refused and missed. Every decode is guarded: what
+/// cannot be decoded or is refused by a handler (BadMessage) is counted and dropped, never fatal. Any
+/// other exception of a handler is kept and rethrown by poll() once no C frame of LCM is on the stack.
+#pragma once
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <lcm/lcm-cpp.hpp>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace modslam {
+
+/// Thrown by a handler or a conversion to refuse a message: counted as bad, said once a second, dropped.
+struct BadMessage : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct ChannelCount {
+  std::int64_t received = 0, bad = 0, gaps = 0;
+};
+
+/// One LCM connection. Not thread-safe.
+class Transport {
+ public:
+  using RawHandler = std::function<void(const std::string& channel, const void* bytes, int size)>;
+
+  /// @throws std::runtime_error when LCM cannot open the url.
+  explicit Transport(const std::string& url);
+  ~Transport();
+  Transport(const Transport&) = delete;
+  Transport& operator=(const Transport&) = delete;
+
+  /// Handles one message. @return true if there was one within timeout_ms.
+  /// @throws what a handler threw, and std::runtime_error when the connection has failed.
+  bool poll(int timeout_ms);
+  void publish(const std::string& channel, const void* bytes, int size);
+  /// `channel` is a regular expression, as LCM has it. Queue without bound: the handler must be quick.
+  void subscribe(const std::string& channel, RawHandler on_bytes);
+
+ private:
+  struct Sink;
+  lcm::LCM lcm_;
+  std::vector<std::unique_ptr<Sink>> sinks_;
+  std::exception_ptr error_;
+};
+
+/// A module's view of the transport.
+class Bus {
+ public:
+  Bus(Transport& transport, std::string process_name)
+      : transport_(transport), name_(std::move(process_name)) {}
+  Bus(const Bus&) = delete;
+  Bus& operator=(const Bus&) = delete;
+
+  template <class Message>
+  void subscribe(const std::string& channel, std::function<void(const Message&)> on_message) {
+    inputs_[channel];
+    transport_.subscribe(channel, [this, on_message](const std::string& name, const void* bytes,
+                                                     int size) {
+      receive(name, bytes, size, [&] {
+        Message message{};
+        if (message.decode(bytes, 0, size) != size) throw BadMessage("cannot be decoded");
+        on_message(message);
+      });
+    });
+  }
+
+  template <class Message>
+  void publish(const std::string& channel, const Message& message) {
+    const int size = message.getEncodedSize();
+    buffer_.resize(static_cast<std::size_t>(size));
+    if (message.encode(buffer_.data(), 0, size) != size)
+      throw std::logic_error(name_ + ": cannot encode a message for " + channel);
+    publish_bytes(channel, buffer_.data(), size);
+  }
+  void publish_bytes(const std::string& channel, const void* bytes, int size);
+
+  /// A module tells that `missing` messages of a numbered stream did not arrive.
+  void count_gap(const std::string& channel, std::int64_t missing) { inputs_[channel].gaps += missing; }
+
+  /// Newest message time seen or published [us]; 0 before the first. Stamps may step back, this does not.
+  std::int64_t utime() const { return utime_; }
+  void saw_utime(std::int64_t utime) { utime_ = utime > utime_ ? utime : utime_; }
+
+  const std::string& name() const { return name_; }
+  const std::map<std::string, ChannelCount>& inputs() const { return inputs_; }
+  const std::map<std::string, ChannelCount>& outputs() const { return outputs_; }
+
+  /// Called for each refused message with its channel and the reason.
+  std::function<void(const std::string& channel, const std::string& why)> on_bad;
+  /// Called after each handled message with the time it took; set by the host that may read clocks.
+  std::function<void(const std::function<void()>& handle)> around_handler;
+
+ private:
+  void receive(const std::string& channel, const void* bytes, int size,
+               const std::function<void()>& decode_and_handle);
+
+  Transport& transport_;
+  std::string name_;
+  std::map<std::string, ChannelCount> inputs_, outputs_;
+  std::vector<std::uint8_t> buffer_;
+  std::int64_t utime_ = 0;
+};
+
+}  // namespace modslam

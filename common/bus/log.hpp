@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Reads and writes LCM event logs. The reader survives what the stock reader ends at silently:
+/// a broken magic word, wild lengths, a cut tail; it finds the next event and counts what it skipped.
+#pragma once
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace modslam {
+
+struct LogEvent {
+  std::int64_t number = 0;
+  std::int64_t utime = 0;      ///< [us] when it was logged
+  std::string channel;
+  std::vector<char> bytes;
+};
+
+class LogReader {
+ public:
+  /// @throws std::runtime_error when the file is missing, unreadable, empty or holds no event at all.
+  explicit LogReader(const std::string& path);
+  /// @return false at the end.
+  bool next(LogEvent& event);
+  std::int64_t skipped_bytes() const { return skipped_bytes_; }
+  /// "" or e.g. "skipped 812 bytes in 2 places, first at byte 40960".
+  std::string damage() const;
+
+ private:
+  bool parse(std::size_t at, LogEvent& event, std::size_t& end) const;
+  std::vector<char> file_;
+  std::size_t at_ = 0;
+  std::int64_t skipped_bytes_ = 0, skipped_places_ = 0, first_skip_ = 0;
+};
+
+class LogWriter {
+ public:
+  /// Writes beside `path` and takes its name in close(). @throws std::runtime_error when it cannot be written.
+  explicit LogWriter(const std::string& path);
+  ~LogWriter();
+  LogWriter(const LogWriter&) = delete;
+  LogWriter& operator=(const LogWriter&) = delete;
+  void write(std::int64_t utime, const std::string& channel, const void* bytes, int size);
+  template <class Message>
+  void write(std::int64_t utime, const std::string& channel, const Message& message) {
+    std::vector<std::uint8_t> buffer(static_cast<std::size_t>(message.getEncodedSize()));
+    message.encode(buffer.data(), 0, static_cast<int>(buffer.size()));
+    write(utime, channel, buffer.data(), static_cast<int>(buffer.size()));
+  }
+  /// Flushes to disk and renames. @throws std::runtime_error (disk full, read-only).
+  void close();
+
+ private:
+  std::string path_, temporary_;
+  std::FILE* file_ = nullptr;
+  std::int64_t number_ = 0;
+};
+
+}  // namespace modslam

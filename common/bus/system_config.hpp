@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file All configuration structs, one a table of config/modslam.toml.
+#pragma once
+#include <string>
+
+#include "common/config/visitor.hpp"
+
+namespace modslam {
+
+/// What is decided when a run is launched.
+struct LaunchConfig {
+  static constexpr const char* kTable = "launch";
+  std::string estimator = "graph_optimizer";
+  bool semantics = true;
+  bool viewer = true;
+
+  void visit(ConfigVisitor& v) {
+    v.choice("estimator", estimator, {"graph_optimizer", "odometry", "ground_truth"},
+             "Who estimates the pose: the graph, or one of two yardsticks.");
+    v.flag("semantics", semantics, "Start the semantic classifier.");
+    v.flag("viewer", viewer, "Start the viewer (a web page on 127.0.0.1).");
+  }
+};
+
+struct SystemConfig {
+  LaunchConfig launch;
+
+  /// Calls visit(table) for each struct, in the order of the file.
+  template <class Visit>
+  void each(Visit&& visit) {
+    visit(launch);
+  }
+};
+
+}  // namespace modslam
