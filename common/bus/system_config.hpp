@@ -4,6 +4,11 @@
 #include <string>
 
 #include "common/config/visitor.hpp"
+#include "common/graph/estimator.hpp"
+#include "common/loops/loop_detector.hpp"
+#include "common/maps/map_builder.hpp"
+#include "common/matching/scan_matcher.hpp"
+#include "common/motion/odometry_model.hpp"
 
 namespace modslam {
 
@@ -24,11 +29,21 @@ struct LaunchConfig {
 
 struct SystemConfig {
   LaunchConfig launch;
+  OdometryModelConfig odometry_model;
+  ScanMatcherConfig scan_matcher;
+  EstimatorConfig graph_optimizer;
+  LoopDetectorConfig loop_detector;
+  MapBuilderConfig map_builder;
 
   /// Calls visit(table) for each struct, in the order of the file.
   template <class Visit>
   void each(Visit&& visit) {
     visit(launch);
+    visit(odometry_model);
+    visit(scan_matcher);
+    visit(graph_optimizer);
+    visit(loop_detector);
+    visit(map_builder);
   }
 };
 

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/graph/estimator.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "common/graph/relative_covariance.hpp"
+
+namespace modslam {
+namespace {
+
+constexpr double kChi2_3dof_999 = 16.27, kChi2_3dof_99 = 11.34;
+constexpr std::size_t kMaxWaiting = 30;
+constexpr double kUrgentChi2 = 6.0;          // a loop that pulls harder than this is optimised at once
+constexpr double kUnseen = 1e-2;             // information filled in where a loop saw nothing: 10 m
+
+double position_sigma(const Eigen::Matrix3d& cov) { return std::sqrt(std::max(cov(0, 0), cov(1, 1))); }
+
+/// Covariance of a loop's measurement, additive, frame of its old node.
+Eigen::Matrix3d loop_covariance(const LoopProposal& loop) {
+  GraphEdge edge;
+  edge.T_from_to = loop.T_from_to;
+  edge.information = loop.information + kUnseen * Eigen::Matrix3d::Identity();
+  return edge_covariance_from(edge);
+}
+
+}  // namespace
+
+GraphEstimator::Step GraphEstimator::move(const std::vector<MotionMeasurement>& measurements) {
+  bool is_new = false;
+  if (graph_.poses.empty()) {
+    graph_.poses.emplace_back();
+    published_poses_.emplace_back();
+    is_new = true;
+  } else if (!measurements.empty()) {
+    const Proposal proposal = fuse(measurements);
+    const Pose2 T_from_to = config_.proposal == "sampled" ? sample(proposal, random_) : proposal.T_from_to;
+    cov_node_base_ = compose_covariance(T_node_base_, cov_node_base_, T_from_to, proposal.covariance);
+    T_node_base_ = T_node_base_ * T_from_to;
+    if (std::hypot(T_node_base_.x, T_node_base_.y) >= config_.node_m || std::abs(T_node_base_.heading) >= config_.node_rad) {
+      append_node();
+      is_new = true;
+    }
+  }
+  const auto newest = static_cast<NodeId>(graph_.poses.size()) - 1;
+  return {graph_.poses.back() * T_node_base_, cov_node_base_, newest, T_node_base_, is_new};
+}
+
+void GraphEstimator::append_node() {
+  GraphEdge edge;
+  edge.id = next_edge_++;
+  edge.from = static_cast<NodeId>(graph_.poses.size()) - 1;
+  edge.to = edge.from + 1;
+  edge.kind = EdgeKind::kSequence;
+  edge.T_from_to = T_node_base_;
+  // A millimetre and a third of a milliradian is as good as any step is known.
+  const Eigen::Matrix3d floor = Eigen::Vector3d(1e-6, 1e-6, 1e-7).asDiagonal();
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = rotation(T_node_base_.heading);
+  edge.information = R.transpose() * (cov_node_base_ + floor).inverse() * R;
+  edge.information = 0.5 * (edge.information + edge.information.transpose()).eval();
+  graph_.poses.push_back(graph_.poses.back() * T_node_base_);
+  published_poses_.push_back(graph_.poses.back());
+  graph_.edges.push_back(edge);
+  changes_.added.push_back(edge);
+  T_node_base_ = Pose2();
+  cov_node_base_.setZero();
+}
+
+std::vector<const GraphEdge*> GraphEstimator::edges() const {
+  std::vector<const GraphEdge*> out;
+  for (const GraphEdge& edge : graph_.edges) out.push_back(&edge);
+  return out;
+}
+
+LoopFate GraphEstimator::add_loop(const LoopProposal& loop) {
+  const auto count = static_cast<NodeId>(graph_.poses.size());
+  if (!is_usable(loop.verdict) || loop.from < 0 || loop.to < 0 || loop.from >= count || loop.to >= count || loop.from == loop.to)
+    return LoopFate::kRefused;
+  bool trusted = false;
+  if (agrees_with_graph(loop, trusted) && trusted) {
+    accept(loop);
+    return LoopFate::kAccepted;
+  }
+  std::vector<std::size_t> friends;
+  for (std::size_t k = 0; k < waiting_.size(); ++k)
+    if (waiting_[k].to != loop.to && consistent(waiting_[k], loop) &&
+        std::all_of(friends.begin(), friends.end(), [&](std::size_t f) { return consistent(waiting_[f], waiting_[k]); }))
+      friends.push_back(k);
+  if (static_cast<std::int64_t>(friends.size()) >= config_.confirmations) {
+    for (const std::size_t k : friends) accept(waiting_[k]);
+    for (auto k = friends.rbegin(); k != friends.rend(); ++k) waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(*k));
+    accept(loop);
+    return LoopFate::kAccepted;
+  }
+  waiting_.push_back(loop);
+  if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
+  return LoopFate::kWaiting;
+}
+
+bool GraphEstimator::agrees_with_graph(const LoopProposal& loop, bool& trusted) const {
+  const RelativeCovariance covariance(graph_.poses, edges(), loop.from);
+  const Eigen::Matrix3d& cov_graph = covariance[loop.to];
+  trusted = position_sigma(cov_graph) < config_.trusted_sigma_m;
+  const Pose2 T_graph = between(graph_.poses[static_cast<std::size_t>(loop.from)], graph_.poses[static_cast<std::size_t>(loop.to)]);
+  Eigen::Vector3d d = loop.T_from_to.vector() - T_graph.vector();
+  d[2] = wrap_angle(d[2]);
+  const Eigen::Matrix3d slack = Eigen::Vector3d(9e-4, 9e-4, 1e-4).asDiagonal();
+  return d.dot((cov_graph + loop_covariance(loop) + slack).ldlt().solve(d)) < kChi2_3dof_999;
+}
+
+/// Both loops tell the same story: old node of a -> new of a -> new of b -> old of b -> old of a closes.
+bool GraphEstimator::consistent(const LoopProposal& a, const LoopProposal& b) const {
+  const auto& poses = graph_.poses;
+  const auto at = [&](NodeId id) { return poses[static_cast<std::size_t>(id)]; };
+  const std::vector<const GraphEdge*> all = edges();
+  const Pose2 T_new = between(at(a.to), at(b.to)), T_old = between(at(a.from), at(b.from));
+  const Pose2 left = a.T_from_to * T_new, right = T_old * b.T_from_to;  // both: old node of a -> new node of b
+  const Eigen::Matrix3d cov_left =
+      compose_covariance(a.T_from_to, loop_covariance(a), T_new, RelativeCovariance(poses, all, a.to)[b.to]);
+  const Eigen::Matrix3d cov_right =
+      compose_covariance(T_old, RelativeCovariance(poses, all, a.from)[b.from], b.T_from_to, loop_covariance(b));
+  Eigen::Vector3d d = left.vector() - right.vector();
+  d[2] = wrap_angle(d[2]);
+  const Eigen::Matrix3d slack = Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal();
+  return d.dot((cov_left + cov_right + slack).ldlt().solve(d)) < kChi2_3dof_99;
+}
+
+void GraphEstimator::accept(const LoopProposal& loop) {
+  GraphEdge edge;
+  edge.id = next_edge_++;
+  edge.from = loop.from;
+  edge.to = loop.to;
+  edge.kind = EdgeKind::kLoop;
+  edge.T_from_to = loop.T_from_to;
+  edge.information = loop.information;
+  graph_.edges.push_back(edge);
+  changes_.added.push_back(edge);
+  ++accepted_;
+  ++postponed_;
+  if (postponed_ >= config_.postpone || edge_chi2(edge, graph_.poses) > kUrgentChi2) optimize(false);
+}
+
+void GraphEstimator::settle(bool thoroughly) {
+  if (postponed_ > 0 || thoroughly) optimize(thoroughly);
+}
+
+void GraphEstimator::optimize(bool thoroughly) {
+  postponed_ = 0;
+  OptimizeOptions options;
+  options.dcs_phi = thoroughly ? config_.dcs_phi : 0.0;  // a kernel would spare the graph the large loops that it needs most
+  options.max_iterations = thoroughly ? 50 : 6;
+  options.stop_relative = thoroughly ? 1e-9 : 1e-3;
+  do {
+    if (config_.method == "toro")
+      optimize_toro(graph_, options);
+    else
+      optimize_gauss_newton(graph_, options);
+  } while (retract_worst());
+  bool any = false;
+  for (std::size_t k = 0; k < graph_.poses.size(); ++k) {
+    const Pose2 &now = graph_.poses[k], &then = published_poses_[k];
+    if (distance(now, then) <= config_.moved_m && std::abs(wrap_angle(now.heading - then.heading)) <= config_.moved_rad) continue;
+    published_poses_[k] = now;
+    changes_.moved.push_back(static_cast<NodeId>(k));
+    any = true;
+  }
+  if (any) ++epoch_;
+}
+
+/// Takes back the loop that contradicts the optimised graph most. @return whether there was one.
+bool GraphEstimator::retract_worst() {
+  auto worst = graph_.edges.end();
+  double worst_chi2 = config_.retract_chi2;
+  for (auto edge = graph_.edges.begin(); edge != graph_.edges.end(); ++edge) {
+    if (edge->kind != EdgeKind::kLoop) continue;
+    const double chi2 = edge_chi2(*edge, graph_.poses);
+    if (chi2 > worst_chi2) {
+      worst_chi2 = chi2;
+      worst = edge;
+    }
+  }
+  if (worst == graph_.edges.end()) return false;
+  changes_.retracted.push_back(worst->id);
+  graph_.edges.erase(worst);
+  ++retracted_;
+  return true;
+}
+
+GraphChanges GraphEstimator::take_changes() {
+  GraphChanges out = std::move(changes_);
+  changes_ = GraphChanges();
+  std::sort(out.moved.begin(), out.moved.end());
+  out.moved.erase(std::unique(out.moved.begin(), out.moved.end()), out.moved.end());
+  return out;
+}
+
+}  // namespace modslam

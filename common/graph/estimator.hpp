@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file The graph estimator: where the robot is, which nodes and edges there are, which loops are believed.
+///
+/// Loop proposals that agree with what the graph knows and that it knows well become edges at once; others wait until enough of
+/// them agree with each other along the driven way (pairwise consistency; Mangelson et al., ICRA 2018). Accepted loops
+/// stay on trial: one that the optimised graph contradicts is retracted.
+#pragma once
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "common/config/visitor.hpp"
+#include "common/graph/pose_graph.hpp"
+#include "common/loops/loop_detector.hpp"
+#include "common/motion/proposal.hpp"
+
+namespace modslam {
+
+struct EstimatorConfig {
+  static constexpr const char* kTable = "graph_optimizer";
+  std::string method = "gauss-newton";
+  std::string proposal = "deterministic";
+  std::int64_t seed = 1;
+  double node_m = 0.30;
+  double node_rad = 0.35;
+  double trusted_sigma_m = 0.35;
+  std::int64_t confirmations = 2;
+  double dcs_phi = 10.0;
+  double retract_chi2 = 60.0;
+  std::int64_t postpone = 10;
+  double moved_m = 0.002;
+  double moved_rad = 0.0005;
+
+  void visit(ConfigVisitor& v) {
+    v.choice("method", method, {"gauss-newton", "toro"}, "Optimiser of the pose graph.");
+    v.choice("proposal", proposal, {"deterministic", "sampled"}, "Next pose: the most likely one, or drawn from the fused Gaussian.");
+    v.integer("seed", seed, 0, 1'000'000'000, "", "Of the sampled proposal.");
+    v.number("node_m", node_m, 0.05, 10, "m", "Way after which a scan becomes a node.");
+    v.number("node_rad", node_rad, 0.05, 3.2, "rad", "Turn after which a scan becomes a node.");
+    v.number("trusted_sigma_m", trusted_sigma_m, 0.01, 100, "m", "Loops between nodes known better than this need no confirmation.");
+    v.integer("confirmations", confirmations, 0, 20, "", "Other loops that must agree with a far one before it is believed.");
+    v.number("dcs_phi", dcs_phi, 0, 1e6, "", "Chi-square from which a loop edge loses weight; 0: never.");
+    v.number("retract_chi2", retract_chi2, 1, 1e9, "", "Chi-square in the optimised graph at which a loop edge is taken back.");
+    v.integer("postpone", postpone, 1, 1000, "", "Loops that change nothing much are optimised together, at most so many.");
+    v.number("moved_m", moved_m, 0, 1, "m", "Smaller moves of a node are not published.");
+    v.number("moved_rad", moved_rad, 0, 1, "rad", "Smaller turns of a node are not published.");
+  }
+};
+
+enum class LoopFate { kRefused, kWaiting, kAccepted };
+
+/// What happened since the last call; feeds the GRAPH message.
+struct GraphChanges {
+  std::vector<GraphEdge> added;
+  std::vector<EdgeId> retracted;
+  std::vector<NodeId> moved;
+  bool empty() const { return added.empty() && retracted.empty() && moved.empty(); }
+};
+
+class GraphEstimator {
+ public:
+  explicit GraphEstimator(const EstimatorConfig& config) : config_(config), random_(static_cast<std::uint64_t>(config.seed)) {}
+
+  struct Step {
+    Pose2 T_map_base;
+    Eigen::Matrix3d covariance;  ///< of T_node_base, additive, frame of the node
+    NodeId node;                 ///< newest
+    Pose2 T_node_base;
+    bool is_new_node;
+  };
+  /// One scan further. `measurements` speak of the motion since the last scan; empty for the first scan.
+  Step move(const std::vector<MotionMeasurement>& measurements);
+
+  LoopFate add_loop(const LoopProposal& proposal);
+  /// Optimises what was postponed; `thoroughly` to convergence (end of a run).
+  void settle(bool thoroughly);
+
+  GraphChanges take_changes();
+  const PoseGraph& graph() const { return graph_; }
+  /// Edges in force by pointer, in order of id.
+  std::vector<const GraphEdge*> edges() const;
+  std::int64_t epoch() const { return epoch_; }
+  std::int64_t accepted() const { return accepted_; }
+  std::int64_t retracted() const { return retracted_; }
+
+ private:
+  void append_node();
+  void accept(const LoopProposal& loop);
+  bool agrees_with_graph(const LoopProposal& loop, bool& trusted) const;
+  bool consistent(const LoopProposal& a, const LoopProposal& b) const;
+  void optimize(bool thoroughly);
+  bool retract_worst();
+
+  EstimatorConfig config_;
+  std::mt19937_64 random_;
+  PoseGraph graph_;
+  EdgeId next_edge_ = 0;
+  Pose2 T_node_base_;
+  Eigen::Matrix3d cov_node_base_ = Eigen::Matrix3d::Zero();
+  std::deque<LoopProposal> waiting_;
+  std::vector<Pose2> published_poses_;
+  GraphChanges changes_;
+  std::int64_t postponed_ = 0, epoch_ = 0, accepted_ = 0, retracted_ = 0;
+};
+
+}  // namespace modslam

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file How well the graph knows one node relative to another.
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/graph/pose_graph.hpp"
+
+namespace modslam {
+
+/// Covariance of every node's pose relative to `source`, in the frame of `source` (order x y heading), composed along the best
+/// chain of edges to it (Dijkstra, least position variance). An upper bound of the exact marginal: parallel chains are not combined.
+/// Nodes that cannot be reached have a huge one. Cost O(E log N). @param poses, edges_at: edges touching each node.
+class RelativeCovariance {
+ public:
+  RelativeCovariance(const std::vector<Pose2>& poses, const std::vector<const GraphEdge*>& edges, NodeId source);
+  const Eigen::Matrix3d& operator[](NodeId id) const { return covariance_[static_cast<std::size_t>(id)]; }
+
+ private:
+  std::vector<Eigen::Matrix3d> covariance_;
+};
+
+/// Inverse of an edge's information as covariance additive in (x, y, heading) of the frame `from`. Nearly singular
+/// information is filled up so that no direction is surer than nothing and none is infinitely unsure.
+Eigen::Matrix3d edge_covariance_from(const GraphEdge& edge);
+
+}  // namespace modslam

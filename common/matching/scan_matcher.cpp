@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/matching/scan_matcher.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace modslam {
+namespace {
+
+constexpr double kPointSpacing_m = 0.03;
+constexpr double kBlur_m = 0.06;              // of the correlative grid
+constexpr int kSearchPoints = 120;            // used by the correlative search
+constexpr double kWideWindow_m = 0.8, kWideWindow_rad = 0.6;  // second look at a doubtful match
+constexpr double kSuspiciousInnovation = 16.27;               // chi2, 3 degrees of freedom, 99.9 %
+constexpr double kFullOverlap = 0.75;
+constexpr int kFailuresBeforeRestart = 8;     // scans in a row before the local map is given up
+
+Eigen::Matrix3d rotate(const Eigen::Matrix3d& matrix, double angle_rad) {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = rotation(angle_rad);
+  return R * matrix * R.transpose();
+}
+
+std::vector<Eigen::Vector2d> thin_out(const std::vector<OrientedPoint>& points, std::size_t most) {
+  std::vector<Eigen::Vector2d> chosen;
+  const std::size_t step = std::max<std::size_t>(1, points.size() / most);
+  for (std::size_t i = 0; i < points.size(); i += step) chosen.push_back(points[i].p);
+  return chosen;
+}
+
+}  // namespace
+
+ScanMatch ScanMatcher::match(const Scan& scan, const SensorInfo& sensor, const Pose2& motion) {
+  const std::vector<OrientedPoint> points =
+      orient(scan, sensor, {config_.sigma_range_m, 1e-3}, config_.range_limit_m, kPointSpacing_m);
+  ScanMatch match;
+  if (!started_) {
+    started_ = true;
+    match.verdict = Verdict::kFirst;
+    update_submap(points, sensor, match);
+    return match;
+  }
+  const Pose2 T_track_from = T_track_base_, guess = T_track_from * motion;
+  const Eigen::Matrix3d cov_motion = odometry_covariance(motion, odometry_model_);
+  const Eigen::Matrix3d cov_guess = rotate(cov_motion, T_track_from.heading);
+
+  SearchWindow window;
+  window.half_m = config_.window_m + 2.2 * std::hypot(motion.x, motion.y);
+  window.half_rad = config_.window_rad + 0.5 * std::abs(motion.heading);
+  window.prior_sigma_m = std::sqrt(cov_motion(0, 0)) + 0.02;
+  window.prior_sigma_rad = std::sqrt(cov_motion(2, 2)) + 0.01;
+  window.prior_weight = 0.002;
+  Attempt best = attempt(points, sensor, guess, cov_guess, window);
+  if (!is_usable(best.verdict)) {
+    window.half_m = std::max(window.half_m, kWideWindow_m);
+    window.half_rad = std::max(window.half_rad, kWideWindow_rad);
+    const Attempt wide = attempt(points, sensor, guess, cov_guess, window);
+    if (is_usable(wide.verdict) || wide.figures.overlap > best.figures.overlap) best = wide;
+  }
+
+  match.verdict = best.verdict;
+  match.figures = best.figures;
+  Eigen::Matrix3d information_map = Eigen::Matrix3d::Zero();
+  match.T_track_base = guess;
+  if (is_usable(best.verdict)) {
+    match.T_track_base = best.fit.T_map_base;
+    // A match errs against the local map, and that error comes once a keyframe, not once a scan: scans of a robot that
+    // hardly moves repeat it.
+    const double share = std::clamp(std::hypot(motion.x, motion.y) / config_.keyframe_m +
+                                        std::abs(motion.heading) / config_.keyframe_rad, 0.02, 1.0);
+    information_map = config_.information_scale / share * best.observed.information;
+  }
+  match.T_from_to = between(T_track_from, match.T_track_base);
+  match.information = rotate(information_map, -T_track_from.heading);
+  match.covariance = (match.information + cov_motion.inverse()).inverse();
+  T_track_base_ = match.T_track_base;
+  failures_ = is_usable(best.verdict) ? 0 : failures_ + 1;
+  update_submap(points, sensor, match);
+  return match;
+}
+
+ScanMatcher::Attempt ScanMatcher::attempt(const std::vector<OrientedPoint>& points, const SensorInfo& sensor,
+                                          const Pose2& guess, const Eigen::Matrix3d& cov_guess,
+                                          const SearchWindow& window) const {
+  Attempt attempt;
+  const SearchResult coarse = submap_.score_grid().search(thin_out(points, kSearchPoints), guess, window);
+  RefineOptions options;
+  options.gate_start_m = 0.25;
+  options.prior_information = cov_guess.inverse();
+  attempt.fit = refine(points, submap_, coarse.T_map_base, options);
+  attempt.observed = observed_information(attempt.fit);
+
+  MatchFigures& figures = attempt.figures;
+  figures.score = coarse.score;
+  figures.overlap = attempt.fit.overlap;
+  figures.chi2 = attempt.fit.chi2;
+  figures.normal_ratio = attempt.fit.normal_ratio;
+  figures.degenerate_rad = attempt.observed.degenerate_rad;
+  figures.points = attempt.fit.pairs;
+  figures.iterations = attempt.fit.iterations;
+  figures.free_violation = free_violation(points, sensor, attempt.fit.T_map_base);
+  Eigen::Vector3d d = attempt.fit.T_map_base.vector() - guess.vector();
+  d[2] = wrap_angle(d[2]);
+  figures.innovation = d.dot(cov_guess.ldlt().solve(d));
+  attempt.verdict = judge(attempt);
+  return attempt;
+}
+
+Verdict ScanMatcher::judge(const Attempt& attempt) const {
+  const MatchFigures& f = attempt.figures;
+  if (f.points < 10 || !attempt.fit.converged) return Verdict::kFailed;
+  if (f.overlap < config_.min_overlap) return Verdict::kLowOverlap;
+  if (f.chi2 > config_.max_chi2) return Verdict::kInconsistent;
+  // People and chairs move: a few crossed surfaces are excused when nearly all of the scan is in the map.
+  if (f.free_violation > config_.max_free_violation * (f.overlap > kFullOverlap ? 2 : 1)) return Verdict::kInconsistent;
+  // Odometry and laser disagree: the laser is believed only when it has no weak direction and fits well.
+  if (f.innovation > kSuspiciousInnovation && f.overlap < 0.5 * (1 + config_.min_overlap) && attempt.observed.degenerate)
+    return Verdict::kInconsistent;
+  return attempt.observed.degenerate ? Verdict::kDegenerate : Verdict::kOk;
+}
+
+double ScanMatcher::free_violation(const std::vector<OrientedPoint>& points, const SensorInfo& sensor,
+                                   const Pose2& T) const {
+  const Eigen::Vector2d eye = T * sensor.T_base_laser.translation();
+  int tested = 0, blocked = 0;
+  for (std::size_t i = 0; i < points.size(); i += 5) {
+    ++tested;
+    blocked += submap_.is_blocked(eye, T * points[i].p, 0.3);
+  }
+  return tested ? static_cast<double>(blocked) / tested : 0.0;
+}
+
+void ScanMatcher::update_submap(const std::vector<OrientedPoint>& points, const SensorInfo& sensor,
+                                const ScanMatch& match) {
+  const bool lost = failures_ >= kFailuresBeforeRestart;
+  if (!keyframes_.empty() && !lost) {
+    if (!is_usable(match.verdict)) return;
+    const Pose2 since = between(keyframes_.back().T_map_base, match.T_track_base);
+    if (std::hypot(since.x, since.y) < config_.keyframe_m && std::abs(since.heading) < config_.keyframe_rad) return;
+  }
+  if (lost) {
+    keyframes_.clear();  // nothing in it can be recognised any more: a new piece of map begins here
+    failures_ = 0;
+  }
+  keyframes_.push_back({match.T_track_base, points, sensor.T_base_laser.translation()});
+  while (static_cast<std::int64_t>(keyframes_.size()) > config_.keyframes) keyframes_.pop_front();
+  std::vector<const Keyframe*> all;
+  for (const Keyframe& keyframe : keyframes_) all.push_back(&keyframe);
+  submap_.build(all, kBlur_m);
+}
+
+}  // namespace modslam

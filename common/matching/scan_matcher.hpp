@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file The virtual sensor: scan after scan against a sliding local map, with a verdict on every answer.
+///
+/// One scan: predict by odometry; correlative search in a window as wide as the odometry may be wrong; point-to-line refinement;
+/// judge (overlap, residuals, free space, degeneracy, odometry). A doubtful answer is searched again widely; what stays
+/// doubtful is reported as such and replaced by odometry with its wide covariance.
+#pragma once
+#include <deque>
+
+#include "common/config/visitor.hpp"
+#include "common/matching/submap.hpp"
+#include "common/matching/verdict.hpp"
+#include "common/motion/odometry_model.hpp"
+
+namespace modslam {
+
+struct ScanMatcherConfig {
+  static constexpr const char* kTable = "scan_matcher";
+  double sigma_range_m = 0.012;
+  double range_limit_m = 40.0;
+  double keyframe_m = 0.25;
+  double keyframe_rad = 0.25;
+  std::int64_t keyframes = 24;
+  double window_m = 0.10;
+  double window_rad = 0.07;
+  double min_overlap = 0.45;
+  double max_chi2 = 16.0;
+  double max_free_violation = 0.15;
+  double information_scale = 0.15;
+
+  void visit(ConfigVisitor& v) {
+    v.number("sigma_range_m", sigma_range_m, 1e-4, 0.2, "m", "Range noise of the laser.");
+    v.number("range_limit_m", range_limit_m, 1, 200, "m", "Longer beams are not matched.");
+    v.number("keyframe_m", keyframe_m, 0.02, 5, "m", "Distance after which a scan joins the local map.");
+    v.number("keyframe_rad", keyframe_rad, 0.02, 3.2, "rad", "Turn after which a scan joins the local map.");
+    v.integer("keyframes", keyframes, 1, 500, "", "Scans in the local map; the oldest leaves.");
+    v.number("window_m", window_m, 0.02, 2, "m", "Half width of the search around the odometry, plus twice the distance driven.");
+    v.number("window_rad", window_rad, 0.01, 1, "rad", "Half width of the search in heading, plus half of the turn.");
+    v.number("min_overlap", min_overlap, 0, 1, "", "Share of the points that must find a partner.");
+    v.number("max_chi2", max_chi2, 0.1, 1000, "", "Largest reduced chi-square of the residuals.");
+    v.number("max_free_violation", max_free_violation, 0, 1, "", "Largest share of beams that cross known walls.");
+    v.number("information_scale", information_scale, 1e-4, 1, "", "Neighbouring beams err alike: share of their information that counts.");
+  }
+};
+
+/// T_from_to: motion since the scan before. Matrices are additive in (x, y, heading) of the frame `from`.
+struct ScanMatch {
+  Pose2 T_track_base;
+  Pose2 T_from_to;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< laser alone, zero where it saw nothing
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();   ///< laser and odometry together
+  Verdict verdict = Verdict::kInvalid;
+  MatchFigures figures;
+};
+
+class ScanMatcher {
+ public:
+  ScanMatcher(const ScanMatcherConfig& config, const OdometryModelConfig& odometry_model)
+      : config_(config), odometry_model_(odometry_model) {}
+
+  /// @param motion odometry since the last scan, in that scan's robot frame. Ignored for the first scan.
+  ScanMatch match(const Scan& scan, const SensorInfo& sensor, const Pose2& motion);
+
+ private:
+  struct Attempt {
+    RefineResult fit;
+    Observed observed;
+    MatchFigures figures;
+    Verdict verdict = Verdict::kFailed;
+  };
+  Attempt attempt(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const Pose2& guess,
+                  const Eigen::Matrix3d& cov_guess, const SearchWindow& window) const;
+  Verdict judge(const Attempt& attempt) const;
+  double free_violation(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const Pose2& T) const;
+  void update_submap(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const ScanMatch& match);
+
+  ScanMatcherConfig config_;
+  OdometryModelConfig odometry_model_;
+  std::deque<Keyframe> keyframes_;
+  Submap submap_;
+  Pose2 T_track_base_;
+  bool started_ = false;
+  int failures_ = 0;  ///< in a row
+};
+
+}  // namespace modslam

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file A local map of oriented points from several scans, searchable two ways: correlatively and by neighbour.
+#pragma once
+#include <deque>
+#include <vector>
+
+#include "common/matching/oriented_points.hpp"
+#include "common/matching/score_grid.hpp"
+
+namespace modslam {
+
+/// The scan of one keyframe and where it was taken.
+struct Keyframe {
+  Pose2 T_map_base;
+  std::vector<OrientedPoint> points_base;
+  Eigen::Vector2d eye_base;  ///< the laser, robot frame
+};
+
+/// A small piece of surface, averaged over the map points around one place.
+struct Surface {
+  Eigen::Vector2d p, n;
+  double var_m2 = 0, var_normal_rad2 = 0;
+  int count = 0;
+};
+
+class Submap {
+ public:
+  /// Replaces the content. "map" is whatever frame the keyframes' poses are given in.
+  void build(const std::vector<const Keyframe*>& keyframes, double blur_m);
+
+  /// The surface nearest to `p` within `gate_m` whose normal agrees with `n` (cosine >= min_cosine).
+  /// @return false when there is none. Points around the nearest one are averaged (radius kAverage_m).
+  bool nearest_surface(const Eigen::Vector2d& p, const Eigen::Vector2d& n, double gate_m, double min_cosine,
+                       Surface& out) const;
+
+  /// Share of the segment eye -> p (map frame) that crosses known surfaces more than margin_m before p: 0 or 1.
+  bool is_blocked(const Eigen::Vector2d& eye, const Eigen::Vector2d& p, double margin_m) const;
+
+  const ScoreGrid& score_grid() const { return score_grid_; }
+  std::size_t size() const { return points_.size(); }
+
+ private:
+  int cell_of(const Eigen::Vector2d& p) const;
+
+  static constexpr double kCell_m = 0.20;
+  ScoreGrid score_grid_{0.05};
+  std::vector<OrientedPoint> points_;  ///< map frame, ordered by cell
+  std::vector<int> cell_start_;        ///< width * height + 1 offsets into points_
+  Eigen::Vector2d origin_{0, 0};
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace modslam

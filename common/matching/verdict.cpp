@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/matching/verdict.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace modslam {
+
+const char* to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kOk: return "ok";
+    case Verdict::kDegenerate: return "degenerate";
+    case Verdict::kAmbiguous: return "ambiguous";
+    case Verdict::kLowOverlap: return "low overlap";
+    case Verdict::kInconsistent: return "inconsistent";
+    case Verdict::kFailed: return "failed";
+    case Verdict::kFirst: return "first";
+    case Verdict::kInvalid: break;
+  }
+  return "invalid";
+}
+
+Observed observed_information(const RefineResult& fit, double max_sigma_m) {
+  constexpr double kLever_m = 3.0;
+  const Eigen::Vector3d scale(1, 1, 1 / kLever_m);
+  const Eigen::Matrix3d D = scale.asDiagonal();
+  const Eigen::Matrix3d H = D * fit.information * D, S = D * fit.spurious * D;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H);
+
+  Observed out;
+  Eigen::Matrix3d kept = Eigen::Matrix3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d v = eigen.eigenvectors().col(k);
+    const double lambda = eigen.eigenvalues()[k], spurious = v.dot(S * v);
+    const double honest = lambda - 2 * spurious;
+    if (lambda < 5 * spurious || honest <= 0 || 1 / std::sqrt(honest) > max_sigma_m) {
+      if (!out.degenerate) out.degenerate_rad = std::atan2(v.y(), v.x());
+      out.degenerate = true;
+    } else {
+      kept += (lambda - spurious) * v * v.transpose();
+    }
+  }
+  const Eigen::Matrix3d D_inverse = scale.cwiseInverse().asDiagonal();
+  out.information = D_inverse * kept * D_inverse;
+  return out;
+}
+
+}  // namespace modslam

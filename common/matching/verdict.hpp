@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file What a matcher thinks of its own answer, with the figures behind it.
+#pragma once
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "common/matching/point_to_line.hpp"
+
+namespace modslam {
+
+enum class Verdict : std::int8_t {
+  kInvalid = 0,
+  kOk = 1,
+  kDegenerate = 2,    ///< good, but silent in one direction
+  kAmbiguous = 3,     ///< another place fits as well
+  kLowOverlap = 4,    ///< too little of the scan is in the map
+  kInconsistent = 5,  ///< beams cross known walls, or residuals are larger than noise explains
+  kFailed = 6,
+  kFirst = 7          ///< nothing to match against yet
+};
+
+const char* to_string(Verdict verdict);
+
+/// Whether the match may become an edge.
+inline bool is_usable(Verdict verdict) { return verdict == Verdict::kOk || verdict == Verdict::kDegenerate; }
+
+struct MatchFigures {
+  double overlap = 0, chi2 = 0, ambiguity = 0, free_violation = 0, innovation = 0, score = 0;
+  double degenerate_rad = 0;  ///< direction of no information, map frame (verdict kDegenerate)
+  double normal_ratio = 0;
+  int points = 0, iterations = 0;
+};
+
+/// Information with the directions taken out that the scan did not observe.
+struct Observed {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< order x y heading; singular when degenerate
+  bool degenerate = false;
+  double degenerate_rad = 0;  ///< direction of the weakest translation
+};
+
+/// Splits H - S into observed and unobserved directions; heading is scaled by 3 m so that units agree. A direction is unobserved when
+/// its information is not clearly above what noisy normals fake (5 S), or its sigma exceeds `max_sigma_m`.
+/// Source: Zhang, Kaess, Singh, ICRA 2016 (remapping); the correction by S is measured in docs/decisions.md.
+Observed observed_information(const RefineResult& fit, double max_sigma_m = 0.03);
+
+}  // namespace modslam

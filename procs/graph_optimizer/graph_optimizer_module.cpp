@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// procs/graph_optimizer — SCAN_MATCH + LASER + ODOMETRY + INS + LOOP (+ SYNC_REQUEST) → POSE, NODE, GRAPH.
+/// Config: [graph_optimizer], [odometry_model].
+#include <bot_core/planar_lidar_t.hpp>
+#include <Eigen/LU>
+#include <bot_core/pose_t.hpp>
+#include <deque>
+#include <modslam/scan_match_t.hpp>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/conversions.hpp"
+#include "common/bus/estimator_session.hpp"
+#include "common/bus/modules.hpp"
+#include "common/bus/system_config.hpp"
+#include "common/motion/odometry_buffer.hpp"
+
+namespace modslam {
+namespace {
+
+constexpr std::size_t kScansKept = 400;  // that wait for their match
+
+class GraphOptimizerModule : public Module {
+ public:
+  GraphOptimizerModule(Bus& bus, const SystemConfig& config)
+      : bus_(bus), model_(config.odometry_model), session_(bus, config.graph_optimizer) {
+    bus.subscribe<sensor_info_t>(channel::kSensorInfo, [this](const sensor_info_t& m) {
+      if (m.sensor == channel::kLaser) sensor_ = to_sensor_info(m);
+    });
+    bus.subscribe<bot_core::planar_lidar_t>(channel::kLaser, [this](const bot_core::planar_lidar_t& m) {
+      scans_.push_back(to_scan(m));
+      if (scans_.size() > kScansKept) scans_.pop_front();
+    });
+    bus.subscribe<bot_core::pose_t>(channel::kOdometry, [this](const bot_core::pose_t& m) { add(odometry_, m); });
+    bus.subscribe<bot_core::pose_t>(channel::kIns, [this](const bot_core::pose_t& m) { add(ins_, m); });
+    bus.subscribe<scan_match_t>(channel::kScanMatch, [this](const scan_match_t& m) { on_match(m); });
+    bus.subscribe<loop_closure_t>(channel::kLoop, [this](const loop_closure_t& m) { session_.add_loop(to_loop(m)); });
+  }
+
+  void finish() override { session_.finish(); }
+  void tick(std::int64_t) override { session_.tick(); }
+  std::string words() const override { return session_.words(); }
+
+ private:
+  struct Sources {
+    Pose2 T_track_base, T_odom_base, T_ins_base;
+    bool odometry = false, ins = false;
+  };
+
+  static void add(OdometryBuffer& buffer, const bot_core::pose_t& message) {
+    const TimedPose pose = to_timed_pose(message);
+    buffer.add(pose.utime, pose.pose);
+  }
+
+  void on_match(const scan_match_t& message) {
+    const Pose2 T_track_base = to_pose(message.T_track_base);
+    MotionMeasurement laser{to_pose(message.T_from_to), to_matrix(message.information)};
+    const Scan scan = take_scan(message.utime);
+    const Sources now = sources_at(message.utime, T_track_base);
+
+    if (message.track != track_ || message.seq < seq_) {
+      started_in_track_ = false;  // the matcher was restarted: only odometry spans the break
+    } else if (message.seq > seq_ + 1) {
+      // Matches were lost on the way; their motions are still in the matcher's own frame.
+      bus_.count_gap(channel::kScanMatch, message.seq - seq_ - 1);
+      laser.T_from_to = between(last_.T_track_base, T_track_base);
+      laser.information /= static_cast<double>(message.seq - seq_);
+    }
+    std::vector<MotionMeasurement> measurements;
+    if (any_) {
+      if (started_in_track_) measurements.push_back(laser);
+      add_odometry(now, measurements);
+      if (measurements.empty()) measurements.push_back({Pose2(), Eigen::Matrix3d::Identity()});
+    }
+    session_.step(scan, sensor_, measurements, static_cast<Verdict>(message.verdict));
+    track_ = message.track;
+    seq_ = message.seq;
+    last_ = now;
+    any_ = started_in_track_ = true;
+  }
+
+  void add_odometry(const Sources& now, std::vector<MotionMeasurement>& measurements) const {
+    if (now.odometry && last_.odometry) {
+      const Pose2 motion = between(last_.T_odom_base, now.T_odom_base);
+      measurements.push_back({motion, odometry_covariance(motion, model_).inverse()});
+    }
+    if (now.ins && last_.ins) {
+      const double turn_rad = wrap_angle(now.T_ins_base.heading - last_.T_ins_base.heading);
+      measurements.push_back({{0, 0, turn_rad}, ins_information(turn_rad, model_)});
+    }
+  }
+
+  Sources sources_at(std::int64_t utime, const Pose2& T_track_base) const {
+    Sources sources;
+    sources.T_track_base = T_track_base;
+    const auto odometry = odometry_.at(utime), ins = ins_.at(utime);
+    sources.odometry = odometry || odometry_.newest();
+    if (sources.odometry) sources.T_odom_base = odometry ? *odometry : *odometry_.newest();
+    sources.ins = ins.has_value();
+    if (ins) sources.T_ins_base = *ins;
+    return sources;
+  }
+
+  /// The scan of that time, out of the queue with all before it. An empty one when it never arrived.
+  Scan take_scan(std::int64_t utime) {
+    for (std::size_t k = 0; k < scans_.size(); ++k) {
+      if (scans_[k].utime != utime) continue;
+      Scan scan = std::move(scans_[k]);
+      scans_.erase(scans_.begin(), scans_.begin() + static_cast<std::ptrdiff_t>(k) + 1);
+      return scan;
+    }
+    bus_.count_gap(channel::kLaser, 1);
+    Scan empty;
+    empty.utime = utime;
+    empty.ranges_m.assign(1, 0.0f);
+    return empty;
+  }
+
+  Bus& bus_;
+  OdometryModelConfig model_;
+  EstimatorSession session_;
+  SensorInfo sensor_;
+  OdometryBuffer odometry_, ins_;
+  std::deque<Scan> scans_;
+  Sources last_;
+  std::int64_t track_ = 0, seq_ = -1;
+  bool any_ = false, started_in_track_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Module> make_graph_optimizer(Bus& bus, const SystemConfig& config) {
+  return std::make_unique<GraphOptimizerModule>(bus, config);
+}
+
+}  // namespace modslam

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// procs/scan_matcher — LASER + ODOMETRY + SENSOR_INFO → SCAN_MATCH. Config: [scan_matcher], [odometry_model].
+#include <modslam/scan_match_t.hpp>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/conversions.hpp"
+#include "common/bus/modules.hpp"
+#include "common/bus/scan_source.hpp"
+#include "common/bus/system_config.hpp"
+
+namespace modslam {
+namespace {
+
+class ScanMatcherModule : public Module {
+ public:
+  ScanMatcherModule(Bus& bus, const SystemConfig& config)
+      : bus_(bus),
+        matcher_(config.scan_matcher, config.odometry_model),
+        source_(bus, channel::kOdometry, [this](const Scan& scan, const Pose2& T_odom_base) { match(scan, T_odom_base); }) {}
+
+  void finish() override { source_.flush(); }
+
+  std::string words() const override {
+    return std::to_string(seq_) + " scans matched, " + std::to_string(doubtful_) + " doubtful, " +
+           std::to_string(source_.without_odometry()) + " without odometry";
+  }
+
+ private:
+  void match(const Scan& scan, const Pose2& T_odom_base) {
+    if (seq_ == 0) track_ = scan.utime;
+    const Pose2 motion = seq_ == 0 ? Pose2() : between(T_odom_last_, T_odom_base);
+    const ScanMatch result = matcher_.match(scan, source_.sensor(), motion);
+    doubtful_ += !is_usable(result.verdict) && result.verdict != Verdict::kFirst;
+    publish(scan, result);
+    T_odom_last_ = T_odom_base;
+    utime_last_ = scan.utime;
+    ++seq_;
+  }
+
+  void publish(const Scan& scan, const ScanMatch& result) {
+    scan_match_t message{};
+    message.utime = scan.utime;
+    message.utime_from = seq_ == 0 ? scan.utime : utime_last_;
+    message.seq = seq_;
+    message.track = track_;
+    put(message.T_track_base, result.T_track_base);
+    put(message.T_from_to, result.T_from_to);
+    put(message.information, result.information);
+    put(message.covariance, result.covariance);
+    message.verdict = static_cast<std::int8_t>(result.verdict);
+    message.degenerate_rad = wrap_angle(result.figures.degenerate_rad - result.T_track_base.heading);
+    message.overlap = result.figures.overlap;
+    message.chi2 = result.figures.chi2;
+    message.ambiguity = result.figures.ambiguity;
+    message.free_violation = result.figures.free_violation;
+    message.innovation = result.figures.innovation;
+    message.npoints = result.figures.points;
+    message.iterations = result.figures.iterations;
+    bus_.publish(channel::kScanMatch, message);
+  }
+
+  Bus& bus_;
+  ScanMatcher matcher_;
+  ScanSource source_;
+  Pose2 T_odom_last_;
+  std::int64_t utime_last_ = 0, seq_ = 0, track_ = 0, doubtful_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Module> make_scan_matcher(Bus& bus, const SystemConfig& config) {
+  return std::make_unique<ScanMatcherModule>(bus, config);
+}
+
+}  // namespace modslam
