@@ -2,6 +2,7 @@
 #include "common/evaluation/truth.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace modslam {
 namespace {
@@ -95,6 +96,17 @@ RelativeError relative_error(const std::vector<PosePair>& pairs, double travelle
     rotation_deg.push_back(std::abs(error.heading) * kDegrees);
   }
   return {travelled_m, statistics_of(translation_m), statistics_of(rotation_deg)};
+}
+
+TruthScores score_against_truth(const Path& T_map_base, const Path& truth) {
+  TruthScores scores;
+  const std::vector<PosePair> pairs = pair_with_truth(T_map_base, truth, &scores.unpaired);
+  if (pairs.empty()) throw std::runtime_error("no pose of the path has a true pose at its time");
+  scores.first_pose = absolute_error(pairs, align_first(pairs));
+  scores.least_squares = absolute_error(pairs, align_least_squares(pairs));
+  for (const double travelled_m : {1.0, 5.0, 10.0})
+    scores.relative.push_back(relative_error(pairs, travelled_m));
+  return scores;
 }
 
 }  // namespace modslam

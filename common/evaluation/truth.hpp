@@ -44,4 +44,13 @@ struct RelativeError {
 };
 RelativeError relative_error(const std::vector<PosePair>& pairs, double travelled_m);
 
+/// Everything that is said of a path whose truth is known.
+struct TruthScores {
+  AbsoluteError first_pose, least_squares;  ///< by alignment
+  std::vector<RelativeError> relative;      ///< over 1, 5, 10 m
+  std::size_t unpaired = 0;                 ///< estimates without truth
+};
+/// @throws std::runtime_error when no pose has a truth.
+TruthScores score_against_truth(const Path& T_map_base, const Path& truth);
+
 }  // namespace modslam
