@@ -98,23 +98,26 @@ std::optional<Pose2> IndexedPath::at(double index) const {
 
 IndexedPath index_path(const Path& path, const ScanTimes& times) {
   constexpr double kSameScan_s = 1e-3;
-  IndexedPath indexed;
   const bool line_is_scan = path.size() == times.size();
-  std::size_t scan = 0;
+  IndexedPath indexed;
+  std::size_t next = 0;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    const auto differs = [&] {
-      return std::abs(times.stamp_s(scan) - path[i].stamp_s) > kSameScan_s;
-    };
-    if (!line_is_scan)
-      while (scan < times.size() && differs()) ++scan;
-    if (scan >= times.size() || differs())
+    const std::size_t end = line_is_scan ? i + 1 : times.size();
+    std::size_t best = end;
+    double best_s = kSameScan_s;
+    for (std::size_t scan = next; scan < end; ++scan) {
+      const double apart_s = std::abs(times.stamp_s(scan) - path[i].stamp_s);
+      if (apart_s < best_s) best = scan, best_s = apart_s;
+    }
+    if (best == end)
       throw std::runtime_error("pose " + std::to_string(i + 1) + " of the path has stamp " +
                                std::to_string(path[i].stamp_s) + " s, which " +
                                (line_is_scan
-                                    ? "is not that of scan " + std::to_string(scan)
+                                    ? "is not that of scan " + std::to_string(i)
                                     : std::string("belongs to no later scan of the times")));
-    indexed.indices.push_back(static_cast<double>(scan++));
+    indexed.indices.push_back(static_cast<double>(best));
     indexed.poses.push_back(path[i].pose);
+    next = best + 1;
   }
   return indexed;
 }

@@ -91,6 +91,8 @@ TEST_CASE("Path lines are scans when as many, else they are found by stamp in fi
   CHECK(index_path({{10, {}}, {12, {}}, {11, {}}, {13, {}}}, times).indices ==
         std::vector<double>{0, 1, 2, 3});
   CHECK(index_path({{10, {}}, {11, {}}, {13, {}}}, times).indices == std::vector<double>{0, 2, 3});
+  const ScanTimes close({10, 10.0004, 10.0002, 13}, std::vector<bool>(4, true));
+  CHECK(index_path({{10.0002, {}}, {13, {}}}, close).indices == std::vector<double>{2, 3});
   CHECK_THROWS_WITH(index_path({{10, {}}, {11, {}}, {12, {}}, {13, {}}}, times),
                     Catch::Contains("pose 2"));
   CHECK_THROWS_WITH(index_path({{10, {}}, {99, {}}}, times), Catch::Contains("no later scan"));
