@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file TUM trajectory text: one line a pose, "stamp_s x y z qx qy qz qw" in metres and a unit
+/// quaternion.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "common/geometry/stamped_pose.hpp"
+
+namespace modslam {
+
+/// Stamps keep their microseconds (6 decimals), numbers have 9 decimals. Lines stand in the order
+/// given.
+std::string tum_text(const std::vector<StampedPose>& path);
+
+}  // namespace modslam

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procs/report/report.hpp"
+
+#include <fstream>
+#include <optional>
+#include <stdexcept>
+
+#include "common/formats/atomic_file.hpp"
+#include "common/formats/g2o_writer.hpp"
+#include "common/formats/map_server.hpp"
+#include "common/formats/tum_writer.hpp"
+#include "procs/report/page.hpp"
+
+namespace modslam::report {
+namespace {
+
+std::string dump(const Json& json) {
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// All that stands in the way of believing the log whole.
+std::string troubles(const RunRecord& run, const Results& results) {
+  std::string words = run.damage;
+  const auto add = [&](const std::string& more) { words += (words.empty() ? "" : "; ") + more; };
+  for (const auto& [name, tally] : run.channels)
+    if (tally.undecodable)
+      add(std::to_string(tally.undecodable) + " messages on " + name + " cannot be decoded");
+  if (!results.map_trouble.empty()) add("no map: " + results.map_trouble);
+  return words;
+}
+
+}  // namespace
+
+std::string write_report(const ReportOptions& options) {
+  std::optional<WorldOutline> world;
+  if (!options.world_truth.empty()) world = read_world_outline(options.world_truth);
+  const RunRecord run = read_run(options.log.empty() ? options.folder + "/run.lcm" : options.log);
+  const Results results = work_out(run);
+  const Json summary = summarise(run, results);
+
+  const auto write = [&](const char* name, const std::string& bytes) {
+    write_atomically(options.folder + "/" + name, bytes);
+  };
+  write("map.png", map_server_png(results.map));
+  write("map.yaml", map_server_yaml(results.map, "map.png"));
+  write("semantic.geojson", semantic_geojson(run.semantics));
+  write("path.tum", tum_text(results.path));
+  write("path_laser.tum", tum_text(results.path_laser));
+  write("graph.g2o", g2o_text(results.nodes, run.graph.edges()));
+  write("report.html", report_page(run, results, summary, world ? &*world : nullptr));
+  write("summary.json", dump(summary));
+  return troubles(run, results);
+}
+
+std::string table_of(const std::string& folder) {
+  const std::string path = folder + "/summary.json";
+  std::ifstream in(path);
+  if (!in)
+    throw std::runtime_error(path + ": cannot be opened; run modslam-report " + folder + " first");
+  try {
+    return terminal_table(Json::parse(in), folder);
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(path + ": is no summary of a run: " + error.what());
+  }
+}
+
+}  // namespace modslam::report

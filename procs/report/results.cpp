@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procs/report/results.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace modslam::report {
+namespace {
+
+constexpr std::int64_t kTruthGap_us = 500'000;
+constexpr int kMapMargin_cells = 10;
+
+void measure_time(const RunRecord& run, Results& out) {
+  const auto& t = run.laser_utimes;
+  if (t.empty()) return;
+  const auto [first, last] = std::minmax_element(t.begin(), t.end());
+  out.start_utime = *first;
+  out.duration_s = static_cast<double>(*last - *first) * 1e-6;
+  for (std::size_t i = 1; i < t.size(); ++i) out.stamps_stepped_back += t[i] < t[i - 1];
+}
+
+void assemble_path(const RunRecord& run, Results& out) {
+  out.nodes = run.graph.poses();
+  const std::vector<Pose2> poses = final_path(run.poses, out.nodes, run.graph.steps());
+  std::vector<std::int64_t> pose_utimes;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    pose_utimes.push_back(run.poses[i].utime);
+    out.path.push_back({run.poses[i].utime, poses[i]});
+    if (i > 0) out.path_length_m += distance(poses[i - 1], poses[i]);
+  }
+  const std::vector<int> pose_of_scan = match_in_order(run.laser_utimes, pose_utimes);
+  out.scans_without_pose = std::count(pose_of_scan.begin(), pose_of_scan.end(), -1);
+  out.poses_without_scan =
+      static_cast<std::int64_t>(poses.size() - pose_of_scan.size()) + out.scans_without_pose;
+
+  const Pose2 T_base_laser = run.graph.sensor() ? run.graph.sensor()->T_base_laser
+                             : run.sensor       ? run.sensor->T_base_laser
+                                                : Pose2();
+  const std::vector<Pose2> filled = fill_by_index(pose_of_scan, poses);
+  for (std::size_t i = 0; i < filled.size(); ++i)
+    out.path_laser.push_back({run.laser_utimes[i], filled[i] * T_base_laser});
+}
+
+void assemble_map(const RunRecord& run, Results& out) {
+  std::vector<MapTile> tiles;
+  for (const auto& [place, tile] : run.tiles) tiles.push_back(tile);
+  try {
+    out.map = join_tiles(tiles, kMapMargin_cells);
+  } catch (const std::runtime_error& error) {
+    out.map_trouble = error.what();
+  }
+  const auto unknown = std::count(out.map.cells.begin(), out.map.cells.end(), 0);
+  out.known_area_m2 =
+      static_cast<double>(static_cast<std::int64_t>(out.map.cells.size()) - unknown) *
+      out.map.resolution_m * out.map.resolution_m;
+}
+
+std::optional<TruthComparison> compare(const std::vector<StampedPose>& path,
+                                       const std::vector<StampedPose>& truth) {
+  TruthComparison c;
+  c.pairs = pair_with_truth(path, truth, kTruthGap_us);
+  if (c.pairs.empty()) return std::nullopt;
+  c.T_world_map_first = *align_first(c.pairs);
+  c.T_world_map_best = *align_least_squares(c.pairs);
+  c.first = path_error(c.pairs, c.T_world_map_first);
+  c.best = path_error(c.pairs, c.T_world_map_best);
+  return c;
+}
+
+}  // namespace
+
+Results work_out(const RunRecord& run) {
+  Results out;
+  measure_time(run, out);
+  assemble_path(run, out);
+  assemble_map(run, out);
+  for (const auto& [id, edge] : run.graph.edges()) out.loop_edges += edge.kind == EdgeKind::kLoop;
+  out.error = compare(out.path, run.truth);
+  out.odometry_error = compare(run.odometry, run.truth);
+  return out;
+}
+
+}  // namespace modslam::report
