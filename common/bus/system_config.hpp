@@ -3,6 +3,7 @@
 #pragma once
 #include <string>
 
+#include "common/config/viewer.hpp"
 #include "common/config/visitor.hpp"
 
 namespace modslam {
@@ -24,11 +25,13 @@ struct LaunchConfig {
 
 struct SystemConfig {
   LaunchConfig launch;
+  ViewerConfig viewer;
 
   /// Calls visit(table) for each struct, in the order of the file.
   template <class Visit>
   void each(Visit&& visit) {
     visit(launch);
+    visit(viewer);
   }
 };
 
