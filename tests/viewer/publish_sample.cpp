@@ -114,7 +114,9 @@ class Player {
     for (int i = 0; i < kBeams; ++i) {
       const double angle = truth.heading + scan.bearing_rad(static_cast<std::size_t>(i));
       const auto [range_m, hit] = cast_ray(truth.x, truth.y, angle);
-      scan.ranges_m.push_back(static_cast<float>(range_m));
+      const bool missing = !(range_m < sensor().range_max_m);
+      scan.ranges_m.push_back(missing ? 0.0F : static_cast<float>(range_m));
+      if (missing) continue;
       if (hit < kWalls.size()) ++hits_[hit];
       grid_.add_beam(truth.x, truth.y, angle, range_m);
     }

@@ -48,7 +48,7 @@ inline const std::vector<std::array<double, 4>> kTables = {{1.0, 4.4, 2.6, 5.4},
 inline const std::vector<std::pair<double, double>> kRoute = {
     {1, 1},     {2.4, 1},   {2.4, 3.4}, {4, 4},     {2.4, 3.2}, {2.4, 1},   {2.9, -0.8}, {4.5, -2.5},
     {1.5, -2},  {2.9, -0.8}, {3, 1},    {6.4, 1},   {6.4, 4},   {6.4, 1},   {9.5, 1},    {9.5, -1.2},
-    {8, -3},    {11.9, -2}, {9.5, -1},  {9.5, 1},   {10.5, 1},  {10.5, 3.5}, {12, 5},    {9, 4},
+    {8, -3},    {12, -3.5}, {12, -1}, {9.5, -1},  {9.5, 1},   {10.5, 1},  {10.5, 3.5}, {12, 5},    {9, 4},
     {10.5, 3},  {10.5, 1},  {1, 1}};
 
 /// Where the robot is after `way_m` metres; the route begins again at its end.
@@ -81,7 +81,7 @@ inline const std::vector<Segment>& obstacles() {
   return all;
 }
 
-/// Distance along a ray to the first obstacle, and which it is.
+/// Distance along a ray to the first obstacle, and which it is. Infinite where a ray slips through a corner.
 inline std::pair<double, std::size_t> cast_ray(double x, double y, double angle_rad) {
   const double dx = std::cos(angle_rad), dy = std::sin(angle_rad);
   std::pair<double, std::size_t> nearest{std::numeric_limits<double>::infinity(), 0};
