@@ -51,8 +51,8 @@ class ViewerModule : public Module {
   }
 
   std::string words() const override {
-    return "http://127.0.0.1:" + std::to_string(server_.port()) + "/ open in " + std::to_string(hub_.pages()) +
-           " pages";
+    return "http://127.0.0.1:" + std::to_string(server_.port()) + "/, pages open: " +
+           std::to_string(hub_.pages());
   }
 
  private:

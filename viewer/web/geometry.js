@@ -24,18 +24,20 @@ export function toEdge(outline, x, y) {
   return least;
 }
 
-// A place for a label: inside, and as far from the edges as a coarse search finds.
+// A place for a label: inside, as far from the edges as a coarse search finds, rather in the middle than not.
 export function middle(outline) {
   const xs = outline.filter((_, i) => i % 2 === 0), ys = outline.filter((_, i) => i % 2 === 1);
   const [x0, x1, y0, y1] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
-  let best = {x: (x0 + x1) / 2, y: (y0 + y1) / 2, room: -1};
+  const [cx, cy] = [(x0 + x1) / 2, (y0 + y1) / 2];
+  let best = {x: cx, y: cy, room: 0, worth: -Infinity};
   const n = 16;
   for (let i = 1; i < n; i++) {
     for (let j = 1; j < n; j++) {
       const x = x0 + ((x1 - x0) * i) / n, y = y0 + ((y1 - y0) * j) / n;
       if (!inside(outline, x, y)) continue;
       const room = toEdge(outline, x, y);
-      if (room > best.room + 1e-6) best = {x, y, room};
+      const worth = room - 0.1 * Math.hypot(x - cx, y - cy);
+      if (worth > best.worth) best = {x, y, room, worth};
     }
   }
   return best;

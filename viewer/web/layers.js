@@ -76,6 +76,12 @@ function text(ctx, palette, words, x, y) {
   ctx.fillText(words, x, y);
 }
 
+function shortened(ctx, words, width) {
+  let kept = words;
+  while (kept.length > 1 && ctx.measureText(`${kept}…`).width > width) kept = kept.slice(0, -1);
+  return kept === words ? words : `${kept}…`;
+}
+
 // Painted last, with layer rooms: a label under a wall cannot be read.
 export function drawRoomLabels({ctx, state, camera, palette}) {
   ctx.textAlign = 'center';
@@ -87,9 +93,7 @@ export function drawRoomLabels({ctx, state, camera, palette}) {
     if (space < 34) continue;
     ctx.fillStyle = palette.ink;
     ctx.font = '600 14px system-ui, "DejaVu Sans", sans-serif';
-    let name = roomName(room);
-    if (name.length > 28) name = name.slice(0, 27) + '…';
-    text(ctx, palette, name, x, y - 2);
+    text(ctx, palette, shortened(ctx, roomName(room), 1.4 * space), x, y - 2);
     ctx.fillStyle = palette.quiet;
     ctx.font = '12px system-ui, "DejaVu Sans", sans-serif';
     text(ctx, palette, `${room.area_m2.toFixed(1)} m²`, x, y + 14);
@@ -108,6 +112,12 @@ function drawObjects({ctx, state, camera, palette, selected}) {
     ctx.strokeStyle = palette.object;
     ctx.lineWidth = isSelected(selected, 'objects', object) ? 3 : 1.5;
     ctx.stroke();
+    object.middle ??= middle(object.outline);
+    const {x, y, room} = object.middle;
+    if (!object.class || room * camera.scale < 10) continue;
+    const [px, py] = camera.toScreen(x, y);
+    ctx.fillStyle = palette.ink;
+    text(ctx, palette, object.class, px, py + 4);
   }
 }
 
@@ -182,7 +192,7 @@ function drawPath({ctx, state, camera, palette}) {
 }
 
 function drawGraph({ctx, state, camera, palette}) {
-  const size = Math.min(3, Math.max(1, camera.scale * 0.04));
+  const size = Math.min(3, Math.max(1, camera.scale * 0.03));
   ctx.fillStyle = palette.node;
   for (const node of state.nodes) {
     if (!node) continue;
@@ -190,7 +200,7 @@ function drawGraph({ctx, state, camera, palette}) {
     ctx.fillRect(x - size, y - size, 2 * size, 2 * size);
   }
   ctx.strokeStyle = palette.loop;
-  ctx.lineWidth = 1.5;
+  ctx.lineWidth = 2;
   for (const [from, to] of state.edges)
     if (state.nodes[from] && state.nodes[to]) segment(ctx, camera, state.nodes[from].slice(0, 2), state.nodes[to].slice(0, 2));
 }

@@ -100,6 +100,9 @@ function updateProcesses({state, connected}, now) {
   const list = [...state.processes.values()].sort((a, b) => a.name.localeCompare(b.name));
   $('processes-none').hidden = list.length > 0;
   $('processes').classList.toggle('stale', !connected);
+  const ill = list.filter((p) => judge(state, p, now)[1] === 'bad').length;
+  say($('processes-total'), ill ? `${ill} of ${list.length} in trouble` : list.length ? `all ${list.length} well` : '');
+  $('processes-total').classList.toggle('alarm', ill > 0);
   keep($('processes'), list, (p) => p.name, (process) => {
     const row = element('li', '', element('span', 'dot'), element('span', 'name'), element('span', 'state'), element('span', 'words'));
     row.dataset.process = process.name;
