@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/bus/bus.hpp"
 
+#include <cerrno>
 #include <new>
 #include <utility>
 
@@ -29,9 +30,11 @@ Transport::Transport(const std::string& url) : lcm_(url) {
 Transport::~Transport() = default;
 
 bool Transport::poll(int timeout_ms) {
+  errno = 0;
   const int status = lcm_.handleTimeout(timeout_ms);
+  const bool interrupted = status < 0 && errno == EINTR;  // a signal came: the connection is well
   if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
-  if (status < 0) throw std::runtime_error("the LCM connection has failed");
+  if (status < 0 && !interrupted) throw std::runtime_error("the LCM connection has failed");
   return status > 0;
 }
 

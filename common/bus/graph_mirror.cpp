@@ -119,6 +119,7 @@ void GraphMirror::take_pose(const pose_estimate_t& message) {
   bus_.saw_utime(message.utime);
   announced_nodes_ = std::max(announced_nodes_, std::min(message.node_id + 1, kMaxNodes));
   if (!complete()) request(false);
+  if (on_pose) on_pose(message);
 }
 
 void GraphMirror::request(bool urgent) {

@@ -36,6 +36,8 @@ class GraphMirror {
   std::function<void(const MirrorNode&)> on_node;
   /// Called after an update was applied, with the nodes whose pose it changed (known ones only).
   std::function<void(const std::vector<NodeId>& moved)> on_update;
+  /// Called with each POSE, which the mirror reads anyway: subscribing twice would count twice.
+  std::function<void(const pose_estimate_t&)> on_pose;
   /// Called when another session's graph begins: everything known is gone.
   std::function<void()> on_reset;
 

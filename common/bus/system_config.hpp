@@ -3,6 +3,7 @@
 #pragma once
 #include <string>
 
+#include "common/config/viewer.hpp"
 #include "common/config/visitor.hpp"
 #include "common/graph/estimator.hpp"
 #include "common/loops/loop_detector.hpp"
@@ -34,6 +35,7 @@ struct SystemConfig {
   EstimatorConfig graph_optimizer;
   LoopDetectorConfig loop_detector;
   MapBuilderConfig map_builder;
+  ViewerConfig viewer;
 
   /// Calls visit(table) for each struct, in the order of the file.
   template <class Visit>
@@ -44,6 +46,7 @@ struct SystemConfig {
     visit(graph_optimizer);
     visit(loop_detector);
     visit(map_builder);
+    visit(viewer);
   }
 };
 

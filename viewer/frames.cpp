@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "viewer/frames.hpp"
+
+#include <algorithm>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/conversions.hpp"
+
+namespace modslam {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kLargest = 1e9;
+
+/// Three digits (millimetres) are enough to look at.
+double rounded(double value) {
+  return std::round(std::clamp(value, -kLargest, kLargest) * 1000.0) / 1000.0;
+}
+
+double number(double value, const char* what) {
+  if (!(std::abs(value) <= kLargest)) throw BadMessage(std::string(what) + " with an impossible number");
+  return rounded(value);
+}
+
+json point(const double (&p)[2], const char* what) {
+  return {number(p[0], what), number(p[1], what)};
+}
+
+/// Corners flat: x0 y0 x1 y1 ...
+json outline(const std::vector<double>& x, const std::vector<double>& y, const char* what) {
+  if (x.size() < 3) throw BadMessage(std::string(what) + " with less than 3 corners");
+  json flat = json::array();
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    flat.push_back(number(x[i], what));
+    flat.push_back(number(y[i], what));
+  }
+  return flat;
+}
+
+json counts_json(const std::vector<channel_count_t>& counts) {
+  json list = json::array();
+  for (const channel_count_t& c : counts)
+    list.push_back({{"channel", c.channel}, {"received", c.received}, {"bad", c.bad}, {"gaps", c.gaps}});
+  return list;
+}
+
+void append(json& flat, const Pose2& pose) {
+  for (const double value : {pose.x, pose.y, pose.heading}) flat.push_back(rounded(value));
+}
+
+}  // namespace
+
+FramePtr text_frame(const json& content) {
+  return std::make_shared<Frame>(
+      Frame{false, content.dump(-1, ' ', false, json::error_handler_t::replace)});
+}
+
+json walls_json(const std::vector<wall_list_t>& chunks) {
+  json items = json::array();
+  for (const wall_list_t& chunk : chunks)
+    for (const wall_t& w : chunk.walls)
+      items.push_back({{"id", w.id},
+                       {"a", point(w.a, "wall")},
+                       {"b", point(w.b, "wall")},
+                       {"length_m", number(std::hypot(w.b[0] - w.a[0], w.b[1] - w.a[1]), "wall")},
+                       {"evidence", number(w.evidence, "wall")},
+                       {"sigma_m", number(w.sigma_m, "wall")}});
+  return {{"stream", "walls"}, {"items", std::move(items)}};
+}
+
+json rooms_json(const std::vector<room_list_t>& chunks) {
+  json items = json::array();
+  for (const room_list_t& chunk : chunks)
+    for (const room_t& r : chunk.rooms)
+      items.push_back({{"id", r.id},
+                       {"name", r.name},
+                       {"type", r.type == room_t::CORRIDOR ? "corridor" : "room"},
+                       {"area_m2", number(r.area_m2, "room")},
+                       {"explored", number(r.explored, "room")},
+                       {"evidence", number(r.evidence, "room")},
+                       {"outline", outline(r.x, r.y, "room")}});
+  return {{"stream", "rooms"}, {"items", std::move(items)}};
+}
+
+json doors_json(const std::vector<door_list_t>& chunks) {
+  json items = json::array();
+  for (const door_list_t& chunk : chunks)
+    for (const door_t& d : chunk.doors)
+      items.push_back({{"id", d.id},
+                       {"a", point(d.a, "door")},
+                       {"b", point(d.b, "door")},
+                       {"width_m", number(d.width_m, "door")},
+                       {"evidence", number(d.evidence, "door")},
+                       {"rooms", {d.room_a, d.room_b}},
+                       {"state", d.state == door_t::OPEN     ? "open"
+                                 : d.state == door_t::CLOSED ? "closed"
+                                                             : "unknown"}});
+  return {{"stream", "doors"}, {"items", std::move(items)}};
+}
+
+json objects_json(const std::vector<object_list_t>& chunks) {
+  json items = json::array();
+  for (const object_list_t& chunk : chunks)
+    for (const object_t& o : chunk.objects)
+      items.push_back({{"id", o.id},
+                       {"class", o.class_name},
+                       {"area_m2", number(o.area_m2, "object")},
+                       {"evidence", number(o.evidence, "object")},
+                       {"first_utime", o.first_utime},
+                       {"last_utime", o.last_utime},
+                       {"outline", outline(o.x, o.y, "object")}});
+  return {{"stream", "objects"}, {"items", std::move(items)}};
+}
+
+json pose_json(const pose_estimate_t& message) {
+  const Pose2 pose = to_pose(message.T_map_base);
+  const Eigen::Matrix3d cov = to_matrix(message.covariance);
+  return {{"stream", "pose"},
+          {"utime", message.utime},
+          {"seq", message.seq},
+          {"epoch", message.epoch},
+          {"verdict", message.verdict},
+          {"pose", {number(pose.x, "pose"), number(pose.y, "pose"), number(pose.heading, "pose")}},
+          {"covariance_xy", {cov(0, 0), cov(0, 1), cov(1, 1)}},
+          {"sigma_heading_rad", std::sqrt(std::max(0.0, cov(2, 2)))}};
+}
+
+json scan_json(const Scan& scan, const SensorInfo& sensor, const Pose2& T_map_base) {
+  json flat = json::array();
+  for (const ScanPoint& seen : points_base(scan, sensor)) {
+    const Eigen::Vector2d p = T_map_base * seen.p;
+    flat.push_back(rounded(p.x()));
+    flat.push_back(rounded(p.y()));
+  }
+  return {{"stream", "scan"}, {"utime", scan.utime}, {"points", std::move(flat)}};
+}
+
+json poses_json(const char* stream, std::size_t first, const std::vector<Pose2>& poses) {
+  json flat = json::array();
+  for (const Pose2& pose : poses) append(flat, pose);
+  return {{"stream", stream}, {"first", first}, {"poses", std::move(flat)}};
+}
+
+json status_json(const process_status_t& message, std::int64_t seen_ms) {
+  static const char* const kStates[] = {"invalid", "running", "troubled", "finished", "stopped"};
+  const bool known = message.state >= 0 && message.state <= process_status_t::STOPPED;
+  return {{"stream", "status"},
+          {"name", message.name},
+          {"version", message.version},
+          {"pid", message.pid},
+          {"state", kStates[known ? message.state : 0]},
+          {"utime", message.utime},
+          {"seen_ms", seen_ms},
+          {"inputs", counts_json(message.inputs)},
+          {"outputs", counts_json(message.outputs)},
+          {"latency_p50_us", message.latency_p50_us},
+          {"latency_p99_us", message.latency_p99_us},
+          {"memory_kb", message.memory_kb},
+          {"words", message.words}};
+}
+
+}  // namespace modslam

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file The true path, laid over the map.
+#pragma once
+#include <deque>
+#include <optional>
+
+#include "common/bus/conversions.hpp"
+#include "viewer/trail.hpp"
+
+namespace modslam {
+
+/// Ground truth speaks of its own frame. The first estimated pose with a true one beside it ties the two
+/// frames together, once: from there on the distance between the paths is the estimator's error.
+class Truth {
+ public:
+  void add(const TimedPose& T_world_base);
+  void add_estimate(std::int64_t utime, const Pose2& T_map_base);
+  void clear();
+  void flush(Hub& hub) { trail_.flush(hub); }
+  const std::vector<Pose2>& trail() const { return trail_.poses(); }
+
+ private:
+  void extend(const Pose2& T_world_base);
+
+  std::deque<TimedPose> recent_;            ///< newest last
+  std::optional<Pose2> T_map_world_;
+  Trail trail_{"truth"};
+};
+
+}  // namespace modslam

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One drawing function a layer, in the order of painting. Each gets {ctx, state, camera, palette, selected}.
+
+import {roomColor} from './palette.js';
+import {middle} from './geometry.js';
+
+export const LAYERS = [
+  {name: 'raster', label: 'Grid map', key: '1', color: 'occupied', draw: drawTiles},
+  {name: 'rooms', label: 'Rooms', key: '2', color: 'accent', draw: drawRooms},
+  {name: 'objects', label: 'Objects', key: '3', color: 'object', draw: drawObjects},
+  {name: 'walls', label: 'Walls', key: '4', color: 'wall', draw: drawWalls},
+  {name: 'doors', label: 'Doors', key: '5', color: 'door-open', draw: drawDoors},
+  {name: 'truth', label: 'True path', key: '6', color: 'truth', draw: drawTruth},
+  {name: 'path', label: 'Path', key: '7', color: 'path', draw: drawPath},
+  {name: 'graph', label: 'Pose graph', key: '8', color: 'loop', draw: drawGraph},
+  {name: 'scan', label: 'Laser scan', key: '9', color: 'scan', draw: drawScan},
+];
+
+const images = new Map();  // 'x/y' -> {cells, palette, canvas}
+
+function tileImage(key, tile, palette) {
+  let image = images.get(key);
+  if (image?.cells === tile.cells && image.palette === palette) return image.canvas;
+  const n = tile.ncells, canvas = document.createElement('canvas');
+  canvas.width = canvas.height = n;
+  const pixels = new ImageData(n, n);
+  const from = new Uint32Array(palette.cells.buffer), to = new Uint32Array(pixels.data.buffer);
+  for (let row = 0; row < n; row++)
+    for (let col = 0; col < n; col++) to[(n - 1 - row) * n + col] = from[tile.cells[row * n + col]];
+  canvas.getContext('2d').putImageData(pixels, 0, 0);
+  images.set(key, {cells: tile.cells, palette, canvas});
+  return canvas;
+}
+
+function drawTiles({ctx, state, camera, palette}) {
+  for (const key of images.keys()) if (!state.tiles.has(key)) images.delete(key);
+  for (const [key, tile] of state.tiles) {
+    if (!tile.cells) continue;
+    const side = tile.ncells * tile.resolution;
+    const [l, b] = camera.toScreen(tile.x * side, tile.y * side).map(Math.round);
+    const [r, t] = camera.toScreen((tile.x + 1) * side, (tile.y + 1) * side).map(Math.round);
+    if (r < 0 || b < 0 || l > camera.width || t > camera.height) continue;
+    ctx.imageSmoothingEnabled = camera.scale * tile.resolution < 1;
+    ctx.drawImage(tileImage(key, tile, palette), l, t, r - l, b - t);
+  }
+}
+
+function tracePolygon(ctx, camera, outline) {
+  ctx.beginPath();
+  for (let i = 0; i < outline.length; i += 2) ctx.lineTo(...camera.toScreen(outline[i], outline[i + 1]));
+  ctx.closePath();
+}
+
+function isSelected(selected, kind, item) { return selected?.kind === kind && selected.id === item.id; }
+
+function drawRooms({ctx, state, camera, selected}) {
+  for (const room of state.rooms) {
+    const chosen = isSelected(selected, 'rooms', room);
+    tracePolygon(ctx, camera, room.outline);
+    ctx.fillStyle = roomColor(room.id, chosen ? 0.5 : 0.27);
+    ctx.fill();
+    ctx.strokeStyle = roomColor(room.id, chosen ? 1 : 0.7);
+    ctx.lineWidth = chosen ? 3 : 1.2;
+    ctx.stroke();
+  }
+}
+
+export function roomName(room) {
+  return room.name || `${room.type === 'corridor' ? 'Corridor' : 'Room'} ${room.id}`;
+}
+
+function text(ctx, palette, words, x, y) {
+  ctx.lineWidth = 3;
+  ctx.strokeStyle = palette.halo;
+  ctx.strokeText(words, x, y);
+  ctx.fillText(words, x, y);
+}
+
+function shortened(ctx, words, width) {
+  let kept = words;
+  while (kept.length > 1 && ctx.measureText(`${kept}…`).width > width) kept = kept.slice(0, -1);
+  return kept === words ? words : `${kept}…`;
+}
+
+// Painted last, with layer rooms: a label under a wall cannot be read.
+export function drawRoomLabels({ctx, state, camera, palette}) {
+  ctx.textAlign = 'center';
+  ctx.lineJoin = 'round';
+  for (const room of state.rooms) {
+    room.middle ??= middle(room.outline);
+    const [x, y] = camera.toScreen(room.middle.x, room.middle.y);
+    const space = 2 * room.middle.room * camera.scale;
+    if (space < 34) continue;
+    ctx.fillStyle = palette.ink;
+    ctx.font = '600 14px system-ui, "DejaVu Sans", sans-serif';
+    text(ctx, palette, shortened(ctx, roomName(room), 1.4 * space), x, y - 2);
+    ctx.fillStyle = palette.quiet;
+    ctx.font = '12px system-ui, "DejaVu Sans", sans-serif';
+    text(ctx, palette, `${room.area_m2.toFixed(1)} m²`, x, y + 14);
+  }
+}
+
+function drawObjects({ctx, state, camera, palette, selected}) {
+  ctx.font = '12px system-ui, "DejaVu Sans", sans-serif';
+  ctx.textAlign = 'center';
+  for (const object of state.objects) {
+    tracePolygon(ctx, camera, object.outline);
+    ctx.globalAlpha = isSelected(selected, 'objects', object) ? 0.7 : 0.35;
+    ctx.fillStyle = palette.object;
+    ctx.fill();
+    ctx.globalAlpha = 1;
+    ctx.strokeStyle = palette.object;
+    ctx.lineWidth = isSelected(selected, 'objects', object) ? 3 : 1.5;
+    ctx.stroke();
+    object.middle ??= middle(object.outline);
+    const {x, y, room} = object.middle;
+    if (!object.class || room * camera.scale < 10) continue;
+    const [px, py] = camera.toScreen(x, y);
+    ctx.fillStyle = palette.ink;
+    text(ctx, palette, object.class, px, py + 4);
+  }
+}
+
+function segment(ctx, camera, a, b) {
+  ctx.beginPath();
+  ctx.moveTo(...camera.toScreen(...a));
+  ctx.lineTo(...camera.toScreen(...b));
+  ctx.stroke();
+}
+
+function drawWalls({ctx, state, camera, palette, selected}) {
+  ctx.lineCap = 'round';
+  for (const wall of state.walls) {
+    const chosen = isSelected(selected, 'walls', wall);
+    ctx.strokeStyle = chosen ? palette.accent : palette.wall;
+    ctx.lineWidth = chosen ? 6 : Math.min(4, Math.max(2, camera.scale * 0.06));
+    segment(ctx, camera, wall.a, wall.b);
+  }
+}
+
+// A door is its opening from jamb to jamb; an open one swings its leaf, a closed one is shut by it.
+function drawDoors({ctx, state, camera, palette, selected}) {
+  ctx.lineCap = 'butt';
+  for (const door of state.doors) {
+    const chosen = isSelected(selected, 'doors', door);
+    const color = palette[`door-${door.state}`];
+    const [a, b] = [camera.toScreen(...door.a), camera.toScreen(...door.b)];
+    const width = Math.min(8, Math.max(4, camera.scale * 0.1)) + (chosen ? 3 : 0);
+    ctx.strokeStyle = palette.halo;
+    ctx.lineWidth = width + 3;
+    segment(ctx, camera, door.a, door.b);
+    ctx.strokeStyle = color;
+    ctx.lineWidth = width;
+    if (door.state === 'open') ctx.setLineDash([width * 0.9, width * 0.7]);
+    segment(ctx, camera, door.a, door.b);
+    ctx.setLineDash([]);
+    for (const jamb of [a, b]) {
+      ctx.fillStyle = color;
+      ctx.beginPath();
+      ctx.arc(...jamb, width * 0.75, 0, 2 * Math.PI);
+      ctx.fill();
+    }
+  }
+}
+
+function trace(ctx, camera, poses) {
+  ctx.beginPath();
+  let pen = false;
+  for (const pose of poses) {
+    if (!pose) { pen = false; continue; }
+    const p = camera.toScreen(pose[0], pose[1]);
+    if (pen) ctx.lineTo(...p); else ctx.moveTo(...p);
+    pen = true;
+  }
+  ctx.stroke();
+}
+
+function drawTruth({ctx, state, camera, palette}) {
+  ctx.strokeStyle = palette.truth;
+  ctx.lineWidth = 1.6;
+  ctx.setLineDash([6, 4]);
+  trace(ctx, camera, state.truth);
+  ctx.setLineDash([]);
+}
+
+function drawPath({ctx, state, camera, palette}) {
+  ctx.strokeStyle = palette.path;
+  ctx.lineWidth = 2;
+  ctx.lineJoin = 'round';
+  const last = state.pose ? [state.pose.pose] : [];
+  trace(ctx, camera, [...state.nodes, ...last]);
+}
+
+function drawGraph({ctx, state, camera, palette}) {
+  const size = Math.min(3, Math.max(1, camera.scale * 0.03));
+  ctx.fillStyle = palette.node;
+  for (const node of state.nodes) {
+    if (!node) continue;
+    const [x, y] = camera.toScreen(node[0], node[1]);
+    ctx.fillRect(x - size, y - size, 2 * size, 2 * size);
+  }
+  ctx.strokeStyle = palette.loop;
+  ctx.lineWidth = 2;
+  for (const [from, to] of state.edges)
+    if (state.nodes[from] && state.nodes[to]) segment(ctx, camera, state.nodes[from].slice(0, 2), state.nodes[to].slice(0, 2));
+}
+
+function drawScan({ctx, state, camera, palette}) {
+  const points = state.scan?.points ?? [];
+  const size = Math.min(5, Math.max(2, camera.scale * 0.045));
+  ctx.fillStyle = palette.scan;
+  for (let i = 0; i < points.length; i += 2) {
+    const [x, y] = camera.toScreen(points[i], points[i + 1]);
+    ctx.fillRect(x - size / 2, y - size / 2, size, size);
+  }
+}
+
+// Always painted: the robot, and the ellipse that holds it with 95 percent.
+export function drawRobot({ctx, state, camera, palette}) {
+  if (!state.pose && !state.scan) return;
+  const [x, y, heading] = state.pose?.pose ?? [0, 0, 0];
+  const [px, py] = camera.toScreen(x, y);
+  if (state.pose) drawEllipse(ctx, camera, palette, px, py, state.pose.covariance_xy);
+  const r = Math.min(16, Math.max(8, camera.scale * 0.25));
+  ctx.save();
+  ctx.translate(px, py);
+  ctx.rotate(-heading);
+  ctx.beginPath();
+  ctx.moveTo(r * 1.15, 0); ctx.lineTo(-r * 0.8, r * 0.75); ctx.lineTo(-r * 0.45, 0); ctx.lineTo(-r * 0.8, -r * 0.75);
+  ctx.closePath();
+  ctx.fillStyle = palette.robot;
+  ctx.strokeStyle = palette.halo;
+  ctx.lineWidth = 2;
+  ctx.stroke();
+  ctx.fill();
+  ctx.restore();
+}
+
+function drawEllipse(ctx, camera, palette, px, py, [xx, xy, yy]) {
+  const mean = (xx + yy) / 2, spread = Math.hypot((xx - yy) / 2, xy);
+  const radius = (variance) => Math.sqrt(5.991 * Math.max(0, variance)) * camera.scale;
+  const [long, short] = [radius(mean + spread), radius(mean - spread)];
+  if (!(long > 2 && long < 1e5)) return;
+  ctx.beginPath();
+  ctx.ellipse(px, py, long, short, -0.5 * Math.atan2(2 * xy, xx - yy), 0, 2 * Math.PI);
+  ctx.strokeStyle = palette.accent;
+  ctx.lineWidth = 1.5;
+  ctx.stroke();
+}
