@@ -233,7 +233,7 @@ std::vector<Layer> draw_layers(const Sheet& sheet, const RunRecord& run, const R
   layers.push_back({"doors", "doors", draw_doors(sheet, run.semantics.doors.items())});
   if (r.error) {
     Points truth;
-    for (const PosePair& p : r.error->pairs)
+    for (const TruthPair& p : r.error->pairs)
       truth.push_back((r.error->T_world_map_best.inverse() * p.T_world_base).translation());
     layers.push_back({"truth", "true path", draw_path(sheet, truth, "truth")});
   }

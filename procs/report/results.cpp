@@ -58,10 +58,10 @@ void assemble_map(const RunRecord& run, Results& out) {
 std::optional<TruthComparison> compare(const std::vector<StampedPose>& path,
                                        const std::vector<StampedPose>& truth) {
   TruthComparison c;
-  c.pairs = pair_with_truth(path, truth, kTruthGap_us);
+  c.pairs = pair_by_time(path, truth, kTruthGap_us);
   if (c.pairs.empty()) return std::nullopt;
-  c.T_world_map_first = *align_first(c.pairs);
-  c.T_world_map_best = *align_least_squares(c.pairs);
+  c.T_world_map_first = *align_to_first(c.pairs);
+  c.T_world_map_best = *align_to_all(c.pairs);
   c.first = path_error(c.pairs, c.T_world_map_first);
   c.best = path_error(c.pairs, c.T_world_map_best);
   return c;

@@ -14,7 +14,7 @@ namespace modslam::report {
 
 /// A path laid over the true one in two ways: by its first pose, and by least squares.
 struct TruthComparison {
-  std::vector<PosePair> pairs;
+  std::vector<TruthPair> pairs;
   Pose2 T_world_map_first, T_world_map_best;
   PathError first, best;
 };
