@@ -5,12 +5,12 @@
 
 namespace modslam {
 
-std::vector<PosePair> pair_with_truth(const std::vector<StampedPose>& path,
-                                      std::vector<StampedPose> truth, std::int64_t max_gap_us) {
-  const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.utime < b.utime; };
+std::vector<TruthPair> pair_path_with_truth(const std::vector<PathPose>& path,
+                                            std::vector<PathPose> truth, std::int64_t max_gap_us) {
+  const auto earlier = [](const PathPose& a, const PathPose& b) { return a.utime < b.utime; };
   std::stable_sort(truth.begin(), truth.end(), earlier);
-  std::vector<PosePair> pairs;
-  for (const StampedPose& p : path) {
+  std::vector<TruthPair> pairs;
+  for (const PathPose& p : path) {
     const auto after = std::lower_bound(truth.begin(), truth.end(), p, earlier);
     if (after == truth.end()) continue;
     if (after->utime == p.utime) {
@@ -27,34 +27,35 @@ std::vector<PosePair> pair_with_truth(const std::vector<StampedPose>& path,
   return pairs;
 }
 
-std::optional<Pose2> align_first(const std::vector<PosePair>& pairs) {
+std::optional<Pose2> lay_by_first_pose(const std::vector<TruthPair>& pairs) {
   if (pairs.empty()) return std::nullopt;
   return pairs[0].T_world_base * pairs[0].T_map_base.inverse();
 }
 
-std::optional<Pose2> align_least_squares(const std::vector<PosePair>& pairs) {
+std::optional<Pose2> lay_by_least_squares(const std::vector<TruthPair>& pairs) {
   if (pairs.empty()) return std::nullopt;
   Eigen::Vector2d mean_map = Eigen::Vector2d::Zero(), mean_world = mean_map;
-  for (const PosePair& p : pairs)
+  for (const TruthPair& p : pairs)
     mean_map += p.T_map_base.translation(), mean_world += p.T_world_base.translation();
   mean_map /= static_cast<double>(pairs.size());
   mean_world /= static_cast<double>(pairs.size());
   double dot = 0, cross = 0;
-  for (const PosePair& p : pairs) {
+  for (const TruthPair& p : pairs) {
     const Eigen::Vector2d a = p.T_map_base.translation() - mean_map,
                           b = p.T_world_base.translation() - mean_world;
     dot += a.dot(b);
     cross += a.x() * b.y() - a.y() * b.x();
   }
-  if (std::hypot(dot, cross) < 1e-9 * static_cast<double>(pairs.size())) return align_first(pairs);
+  if (std::hypot(dot, cross) < 1e-9 * static_cast<double>(pairs.size()))
+    return lay_by_first_pose(pairs);
   const double heading = std::atan2(cross, dot);
   const Eigen::Vector2d t = mean_world - rotation(heading) * mean_map;
   return Pose2(t.x(), t.y(), heading);
 }
 
-PathError path_error(const std::vector<PosePair>& pairs, const Pose2& T_world_map) {
+PathError path_error(const std::vector<TruthPair>& pairs, const Pose2& T_world_map) {
   PathError error;
-  for (const PosePair& p : pairs) {
+  for (const TruthPair& p : pairs) {
     const Pose2 T_world_base = T_world_map * p.T_map_base;
     error.position_m.push_back(distance(T_world_base, p.T_world_base));
     error.heading_rad.push_back(

@@ -39,7 +39,7 @@ std::string time_ticks(const TimeAxis& axis, double top, double bottom) {
 
 struct Series {
   const char* style;
-  const std::vector<PosePair>* pairs;
+  const std::vector<TruthPair>* pairs;
   const std::vector<double>* errors;
   double unit;
 };
