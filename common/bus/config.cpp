@@ -191,6 +191,18 @@ SystemConfig load_config(const std::string& path, const std::vector<std::string>
   return config;
 }
 
+std::string config_value(const SystemConfig& config, const std::string& table_dot_key) {
+  const toml::table root = toml::parse(to_toml(config, false));
+  const auto node = root.at_path(table_dot_key);
+  if (const auto text = node.value<std::string>(); text && node.is_string()) return *text;
+  if (!node.is_value()) throw ConfigError("there is no key " + table_dot_key);
+  std::ostringstream out;
+  node.visit([&](const auto& value) {
+    if constexpr (toml::is_value<decltype(value)>) out << value;
+  });
+  return out.str();
+}
+
 std::string to_toml(SystemConfig config, bool comments) {
   Writer writer(comments);
   config.each([&](auto& part) {

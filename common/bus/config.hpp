@@ -22,4 +22,7 @@ SystemConfig load_config(const std::string& path, const std::vector<std::string>
 /// that is how config/modslam.toml is made.
 std::string to_toml(SystemConfig config, bool comments);
 
+/// One value as text, strings without quotes. @throws ConfigError when there is no such table.key.
+std::string config_value(const SystemConfig& config, const std::string& table_dot_key);
+
 }  // namespace modslam

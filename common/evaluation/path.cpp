@@ -8,10 +8,10 @@
 namespace modslam {
 namespace {
 
-PathPose parse_pose(std::string_view line) {
+StampedPose parse_pose(std::string_view line) {
   TextFields fields(line);
   fields.expect_left(8);
-  PathPose pose;
+  StampedPose pose;
   pose.stamp_s = fields.number("the stamp");
   pose.pose.x = fields.number("x", 1e6);
   pose.pose.y = fields.number("y", 1e6);

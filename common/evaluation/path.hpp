@@ -8,11 +8,11 @@
 
 namespace modslam {
 
-struct PathPose {
+struct StampedPose {
   double stamp_s = 0;
   Pose2 pose;
 };
-using Path = std::vector<PathPose>;
+using Path = std::vector<StampedPose>;
 
 /// Blank lines and # comments are skipped. @throws std::runtime_error naming the line when one is
 /// no pose, or when there is none at all.

@@ -5,12 +5,12 @@
 
 namespace modslam {
 
-std::vector<TruthPair> pair_by_time(const std::vector<StampedPose>& path,
-                                      std::vector<StampedPose> truth, std::int64_t max_gap_us) {
-  const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.utime < b.utime; };
+std::vector<TruthPair> pair_path_with_truth(const std::vector<PathPose>& path,
+                                            std::vector<PathPose> truth, std::int64_t max_gap_us) {
+  const auto earlier = [](const PathPose& a, const PathPose& b) { return a.utime < b.utime; };
   std::stable_sort(truth.begin(), truth.end(), earlier);
   std::vector<TruthPair> pairs;
-  for (const StampedPose& p : path) {
+  for (const PathPose& p : path) {
     const auto after = std::lower_bound(truth.begin(), truth.end(), p, earlier);
     if (after == truth.end()) continue;
     if (after->utime == p.utime) {
@@ -27,12 +27,12 @@ std::vector<TruthPair> pair_by_time(const std::vector<StampedPose>& path,
   return pairs;
 }
 
-std::optional<Pose2> align_to_first(const std::vector<TruthPair>& pairs) {
+std::optional<Pose2> lay_by_first_pose(const std::vector<TruthPair>& pairs) {
   if (pairs.empty()) return std::nullopt;
   return pairs[0].T_world_base * pairs[0].T_map_base.inverse();
 }
 
-std::optional<Pose2> align_to_all(const std::vector<TruthPair>& pairs) {
+std::optional<Pose2> lay_by_least_squares(const std::vector<TruthPair>& pairs) {
   if (pairs.empty()) return std::nullopt;
   Eigen::Vector2d mean_map = Eigen::Vector2d::Zero(), mean_world = mean_map;
   for (const TruthPair& p : pairs)
@@ -46,7 +46,8 @@ std::optional<Pose2> align_to_all(const std::vector<TruthPair>& pairs) {
     dot += a.dot(b);
     cross += a.x() * b.y() - a.y() * b.x();
   }
-  if (std::hypot(dot, cross) < 1e-9 * static_cast<double>(pairs.size())) return align_to_first(pairs);
+  if (std::hypot(dot, cross) < 1e-9 * static_cast<double>(pairs.size()))
+    return lay_by_first_pose(pairs);
   const double heading = std::atan2(cross, dot);
   const Eigen::Vector2d t = mean_world - rotation(heading) * mean_map;
   return Pose2(t.x(), t.y(), heading);

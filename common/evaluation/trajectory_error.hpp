@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/geometry/stamped_pose.hpp"
+#include "common/geometry/path_pose.hpp"
 
 namespace modslam {
 
@@ -18,15 +18,15 @@ struct TruthPair {
 /// Truth at each stamp of the path, interpolated between the true poses around it. Stamps that no
 /// true pose brackets within max_gap_us are left out. Both lists may step back in time; the path's
 /// order is kept.
-std::vector<TruthPair> pair_by_time(const std::vector<StampedPose>& path,
-                                      std::vector<StampedPose> truth, std::int64_t max_gap_us);
+std::vector<TruthPair> pair_path_with_truth(const std::vector<PathPose>& path,
+                                            std::vector<PathPose> truth, std::int64_t max_gap_us);
 
 /// T_world_map that lays the first pose of the path on its true pose. Nothing when there are no
 /// pairs.
-std::optional<Pose2> align_to_first(const std::vector<TruthPair>& pairs);
+std::optional<Pose2> lay_by_first_pose(const std::vector<TruthPair>& pairs);
 /// T_world_map that makes the sum of squared distances least (Umeyama 1991 in the plane, without
-/// scale). A path that never moved leaves the heading open: then as align_to_first.
-std::optional<Pose2> align_to_all(const std::vector<TruthPair>& pairs);
+/// scale). A path that never moved leaves the heading open: then as lay_by_first_pose.
+std::optional<Pose2> lay_by_least_squares(const std::vector<TruthPair>& pairs);
 
 struct PathError {
   std::vector<double> position_m, heading_rad;  ///< one of each a pair, not negative

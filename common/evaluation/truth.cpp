@@ -12,7 +12,7 @@ constexpr double kDegrees = 180.0 / kPi;
 
 std::optional<Pose2> truth_at(const Path& truth, double stamp_s) {
   const auto after = std::lower_bound(truth.begin(), truth.end(), stamp_s,
-                                      [](const PathPose& p, double s) { return p.stamp_s < s; });
+                                      [](const StampedPose& p, double s) { return p.stamp_s < s; });
   if (after == truth.end()) return std::nullopt;
   if (after->stamp_s == stamp_s) return after->pose;
   if (after == truth.begin()) return std::nullopt;
@@ -25,12 +25,12 @@ std::optional<Pose2> truth_at(const Path& truth, double stamp_s) {
 }  // namespace
 
 std::vector<PosePair> pair_with_truth(const Path& estimate, Path truth, std::size_t* unpaired) {
-  std::stable_sort(truth.begin(), truth.end(), [](const PathPose& a, const PathPose& b) {
+  std::stable_sort(truth.begin(), truth.end(), [](const StampedPose& a, const StampedPose& b) {
     return a.stamp_s < b.stamp_s;
   });
   std::vector<PosePair> pairs;
   if (unpaired) *unpaired = 0;
-  for (const PathPose& p : estimate) {
+  for (const StampedPose& p : estimate) {
     if (const auto true_pose = truth_at(truth, p.stamp_s))
       pairs.push_back({p.stamp_s, *true_pose, p.pose});
     else if (unpaired)

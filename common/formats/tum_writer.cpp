@@ -7,11 +7,11 @@
 
 namespace modslam {
 
-std::string tum_text(const std::vector<StampedPose>& path) {
+std::string tum_text(const std::vector<PathPose>& path) {
   std::string text;
   text.reserve(path.size() * 100);
   char line[256];
-  for (const StampedPose& p : path) {
+  for (const PathPose& p : path) {
     // Integers, because a double has no room for the microseconds of today's stamps and their
     // digits.
     const std::int64_t second = p.utime / 1'000'000, rest = std::abs(p.utime % 1'000'000);

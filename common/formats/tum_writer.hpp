@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "common/geometry/stamped_pose.hpp"
+#include "common/geometry/path_pose.hpp"
 
 namespace modslam {
 
 /// Stamps keep their microseconds (6 decimals), numbers have 9 decimals. Lines stand in the order
 /// given.
-std::string tum_text(const std::vector<StampedPose>& path);
+std::string tum_text(const std::vector<PathPose>& path);
 
 }  // namespace modslam

@@ -26,7 +26,7 @@ GraphEdge to_edge(const graph_edge_t& message) {
 
 }  // namespace
 
-void GraphRecord::take(const graph_node_t& message) {
+bool GraphRecord::take(const graph_node_t& message) {
   check_id(message.id);
   const Pose2 T_map_base = to_pose(message.T_map_base);
   const SensorInfo sensor = to_sensor_info(message.sensor);
@@ -34,10 +34,11 @@ void GraphRecord::take(const graph_node_t& message) {
   const bool new_session =
       message.id == 0 && first != node_utimes_.end() && first->second != message.utime;
   if (new_session) *this = GraphRecord();
-  if (node_utimes_.count(message.id)) return;  // the answer to a SYNC_REQUEST
+  if (node_utimes_.count(message.id)) return false;  // the answer to a SYNC_REQUEST
   made_at_[message.id] = T_map_base;
   node_utimes_[message.id] = message.utime;
   sensor_ = sensor;
+  return new_session;
 }
 
 void GraphRecord::take(const graph_update_t& message) {

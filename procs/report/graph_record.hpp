@@ -18,8 +18,9 @@ namespace modslam::report {
 
 class GraphRecord {
  public:
+  /// @return true when another session's graph begins with this node: everything known is gone.
   /// @throws BadMessage
-  void take(const graph_node_t& message);
+  bool take(const graph_node_t& message);
   void take(const graph_update_t& message);
 
   /// Where the nodes are in the end.

@@ -65,7 +65,7 @@ Sheet make_sheet(const RunRecord& run, const Results& r) {
     sheet.include(r.map.origin_m);
     sheet.include(r.map.origin_m + r.map.resolution_m * Eigen::Vector2d(r.map.width, r.map.height));
   }
-  for (const StampedPose& p : r.path) sheet.include(p.pose.translation());
+  for (const PathPose& p : r.path) sheet.include(p.pose.translation());
   for (const wall_t& w : run.semantics.walls.items())
     sheet.include(at(w.a)), sheet.include(at(w.b));
   for (const room_t& room : run.semantics.rooms.items())
@@ -166,13 +166,13 @@ std::string draw_path(const Sheet& sheet, const Points& path_m, const char* kind
   return polyline(simplify(sheet.px(path_m), 0.25), std::string("class=\"path ") + kind + "\"");
 }
 
-Points places(const std::vector<StampedPose>& path) {
+Points places(const std::vector<PathPose>& path) {
   Points points;
-  for (const StampedPose& p : path) points.push_back(p.pose.translation());
+  for (const PathPose& p : path) points.push_back(p.pose.translation());
   return points;
 }
 
-std::string draw_start_and_end(const Sheet& sheet, const std::vector<StampedPose>& path) {
+std::string draw_start_and_end(const Sheet& sheet, const std::vector<PathPose>& path) {
   if (path.empty()) return "";
   const Eigen::Vector2d a = sheet.px(path.front().pose.translation()),
                         b = sheet.px(path.back().pose.translation());
@@ -240,8 +240,7 @@ std::vector<Layer> draw_layers(const Sheet& sheet, const RunRecord& run, const R
   if (!run.odometry.empty() && !r.path.empty()) {
     const Pose2 T_map_odom = r.path[0].pose * run.odometry[0].pose.inverse();
     Points odometry;
-    for (const StampedPose& p : run.odometry)
-      odometry.push_back((T_map_odom * p.pose).translation());
+    for (const PathPose& p : run.odometry) odometry.push_back((T_map_odom * p.pose).translation());
     layers.push_back({"odometry", "odometry", draw_path(sheet, odometry, "odometry"), false});
   }
   layers.push_back({"loops", "loop edges", draw_graph(sheet, run, r, EdgeKind::kLoop)});

@@ -164,6 +164,14 @@ std::string semantic_tables(const SemanticRecord& s) {
   return two + walls.folded("Walls") + objects.folded("Objects");
 }
 
+/// Against the true world, when that was given.
+std::string score_table(const Json& summary) {
+  if (!summary.contains("semantic_scores")) return "";
+  Table table({"against the true world", "#found", "#visible in the run", "#precision", "#recall"});
+  for (const auto& row : score_rows(summary.at("semantic_scores"))) table.row(row);
+  return table.html();
+}
+
 std::string state_name(int state) {
   static const char* const names[] = {"invalid", "running", "troubled", "finished", "stopped"};
   return names[state >= 0 && state < 5 ? state : 0];
@@ -209,7 +217,7 @@ std::string report_page(const RunRecord& run, const Results& r, const Json& summ
          warnings(run, r) + section("Map", map_view(run, r, world)) +
          section("Path error", errors + error_table(r)) +
          section("Verdicts over time", verdict_timeline(run, r)) +
-         section("What was found", semantic_tables(run.semantics)) +
+         section("What was found", score_table(summary) + semantic_tables(run.semantics)) +
          section("Messages", traffic_tables(run, summary)) +
          section("Parameters in force", parameters(run)) +
          section("Timing",

@@ -6,10 +6,10 @@
 #include <stdexcept>
 
 #include "common/formats/atomic_file.hpp"
-#include "common/formats/g2o_writer.hpp"
 #include "common/formats/map_server.hpp"
 #include "common/formats/tum_writer.hpp"
 #include "procs/report/page.hpp"
+#include "procs/report/world_scores.hpp"
 
 namespace modslam::report {
 namespace {
@@ -34,9 +34,14 @@ std::string troubles(const RunRecord& run, const Results& results) {
 std::string write_report(const ReportOptions& options) {
   std::optional<WorldOutline> world;
   if (!options.world_truth.empty()) world = read_world_outline(options.world_truth);
-  const RunRecord run = read_run(options.log.empty() ? options.folder + "/run.lcm" : options.log);
+  const std::string log = options.log.empty() ? options.folder + "/run.lcm" : options.log;
+  const RunRecord run = read_run(log);
   const Results results = work_out(run);
-  const Json summary = summarise(run, results);
+  Json summary = summarise(run, results);
+  if (world) {
+    const Json scores = score_world(options.world_truth, log, run, results);
+    if (!scores.is_null()) summary["semantic_scores"] = scores;
+  }
 
   const auto write = [&](const char* name, const std::string& bytes) {
     write_atomically(options.folder + "/" + name, bytes);
@@ -46,7 +51,7 @@ std::string write_report(const ReportOptions& options) {
   write("semantic.geojson", semantic_geojson(run.semantics));
   write("path.tum", tum_text(results.path));
   write("path_laser.tum", tum_text(results.path_laser));
-  write("graph.g2o", g2o_text(results.nodes, run.graph.edges()));
+  write("graph.g2o", results.graph_g2o);
   write("report.html", report_page(run, results, summary, world ? &*world : nullptr));
   write("summary.json", dump(summary));
   return troubles(run, results);

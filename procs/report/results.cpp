@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "common/formats/g2o_writer.hpp"
+
 namespace modslam::report {
 namespace {
 
@@ -55,13 +57,13 @@ void assemble_map(const RunRecord& run, Results& out) {
       out.map.resolution_m * out.map.resolution_m;
 }
 
-std::optional<TruthComparison> compare(const std::vector<StampedPose>& path,
-                                       const std::vector<StampedPose>& truth) {
+std::optional<TruthComparison> compare(const std::vector<PathPose>& path,
+                                       const std::vector<PathPose>& truth) {
   TruthComparison c;
-  c.pairs = pair_by_time(path, truth, kTruthGap_us);
+  c.pairs = pair_path_with_truth(path, truth, kTruthGap_us);
   if (c.pairs.empty()) return std::nullopt;
-  c.T_world_map_first = *align_to_first(c.pairs);
-  c.T_world_map_best = *align_to_all(c.pairs);
+  c.T_world_map_first = *lay_by_first_pose(c.pairs);
+  c.T_world_map_best = *lay_by_least_squares(c.pairs);
   c.first = path_error(c.pairs, c.T_world_map_first);
   c.best = path_error(c.pairs, c.T_world_map_best);
   return c;
@@ -75,6 +77,7 @@ Results work_out(const RunRecord& run) {
   assemble_path(run, out);
   assemble_map(run, out);
   for (const auto& [id, edge] : run.graph.edges()) out.loop_edges += edge.kind == EdgeKind::kLoop;
+  out.graph_g2o = g2o_text(out.nodes, run.graph.edges(), &out.edges_without_node);
   out.error = compare(out.path, run.truth);
   out.odometry_error = compare(run.odometry, run.truth);
   return out;

@@ -20,8 +20,8 @@ struct TruthComparison {
 };
 
 struct Results {
-  std::vector<StampedPose> path;        ///< T_map_base, one a POSE
-  std::vector<StampedPose> path_laser;  ///< T_map_laser, one a LASER in file order
+  std::vector<PathPose> path;           ///< T_map_base, one a POSE
+  std::vector<PathPose> path_laser;     ///< T_map_laser, one a LASER in file order
   std::int64_t scans_without_pose = 0;  ///< these were interpolated
   std::int64_t poses_without_scan = 0;
   std::int64_t stamps_stepped_back = 0;
@@ -30,6 +30,8 @@ struct Results {
   double path_length_m = 0;
   std::map<NodeId, Pose2> nodes;
   std::int64_t loop_edges = 0;
+  int edges_without_node = 0;  ///< left out of graph.g2o
+  std::string graph_g2o;
   MapImage map;
   double known_area_m2 = 0;
   std::string map_trouble;  ///< why there is no map, when tiles came but cannot be joined

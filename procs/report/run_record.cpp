@@ -37,7 +37,7 @@ TrackedPose to_tracked(const pose_estimate_t& message) {
           to_pose(message.T_map_base)};
 }
 
-StampedPose to_stamped(const bot_core::pose_t& message) {
+PathPose to_stamped(const bot_core::pose_t& message) {
   const TimedPose pose = to_timed_pose(message);
   return {pose.utime, pose.pose};
 }
@@ -70,7 +70,11 @@ class Readers {
       run.poses.push_back(to_tracked(m));
       run.pose_verdicts.push_back({m.utime, m.verdict});
     });
-    on<graph_node_t>(channel::kNode, [&](const auto& m) { run.graph.take(m); });
+    on<graph_node_t>(channel::kNode, [&](const auto& m) {
+      if (!run.graph.take(m)) return;
+      // The nodes that the poses so far hang on are gone: they stay where they were.
+      for (TrackedPose& pose : run.poses) pose.node = -1;
+    });
     on<graph_update_t>(channel::kGraph, [&](const auto& m) { run.graph.take(m); });
     on<loop_closure_t>(channel::kLoop, [&](const auto& m) {
       run.proposals.push_back({m.utime, m.from_node, m.to_node, m.verdict});

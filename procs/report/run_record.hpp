@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/geometry/stamped_pose.hpp"
+#include "common/geometry/path_pose.hpp"
 #include "common/graph/trajectory.hpp"
 #include "common/maps/mosaic.hpp"
 #include "procs/report/graph_record.hpp"
@@ -36,7 +36,7 @@ struct RunRecord {
   std::string damage;  ///< of the file, in words; "" = none
   std::map<std::string, ChannelTally> channels;
   std::vector<std::int64_t> laser_utimes;  ///< in file order
-  std::vector<StampedPose> odometry, truth;
+  std::vector<PathPose> odometry, truth;
   std::vector<TrackedPose> poses;
   std::vector<Judged> pose_verdicts, match_verdicts;
   std::vector<LoopProposal> proposals;

@@ -76,8 +76,8 @@ std::string text(const char* format, double a, double b = 0, double c = 0) {
   return line;
 }
 
-std::string count(const Json& n, const char* word) {
-  return std::to_string(n.get<std::int64_t>()) + " " + word;
+std::string count(const Json& n, const char* word = "") {
+  return std::to_string(n.get<std::int64_t>()) + (*word ? " " : "") + word;
 }
 
 std::string error_line(const Json& error) {
@@ -116,6 +116,7 @@ Json summarise(const RunRecord& run, const Results& r) {
   s["graph"] = {{"nodes", r.nodes.size()},
                 {"edges", run.graph.edges().size()},
                 {"loop_edges", r.loop_edges},
+                {"edges_without_node", r.edges_without_node},
                 {"epoch", run.graph.epoch()},
                 {"nodes_missing_in_log", run.graph.missing_nodes()},
                 {"updates_missing_in_log", run.graph.missing_updates()}};
@@ -139,6 +140,28 @@ Json summarise(const RunRecord& run, const Results& r) {
   return s;
 }
 
+std::vector<std::vector<std::string>> score_rows(const Json& scores, double wall_tolerance_m) {
+  const auto share = [](const Json& part, const char* key) {
+    return text("%.1f %%", 100 * part.at(key).get<double>());
+  };
+  std::vector<std::vector<std::string>> rows;
+  const Json& walls = scores.at("walls");
+  for (const Json& at : walls.at("at")) {
+    if (wall_tolerance_m > 0 && at.at("tolerance_m") != wall_tolerance_m) continue;
+    rows.push_back({text("walls, within %.2f m", at.at("tolerance_m").get<double>()),
+                    text("%.1f m", walls.at("found_m").get<double>()),
+                    text("%.1f m", walls.at("visible_m").get<double>()), share(at, "precision"),
+                    share(at, "recall")});
+  }
+  const auto things = [&](const char* name, const Json& part, const char* visible) {
+    rows.push_back({name, count(part.at("found")), count(part.at(visible)),
+                    share(part, "precision"), share(part, "recall")});
+  };
+  things("rooms, half overlap", scores.at("rooms"), "explored_truth");
+  things("doors, within 0.5 m", scores.at("doors"), "visible_truth");
+  return rows;
+}
+
 std::string terminal_table(const Json& s, const std::string& folder) {
   const Json& graph = s.at("graph");
   const Json& loops = s.at("loops");
@@ -159,6 +182,14 @@ std::string terminal_table(const Json& s, const std::string& folder) {
          count(semantics.at("rooms"), "rooms") +
          text(" (%.1f m2), ", semantics.at("room_area_m2").get<double>()) +
          count(semantics.at("doors"), "doors, ") + count(semantics.at("objects"), "objects\n");
+  if (s.contains("semantic_scores"))
+    for (const auto& row : score_rows(s.at("semantic_scores"), 0.1)) {
+      char line[200];
+      std::snprintf(line, sizeof line,
+                    "                %-20s %8s found of %8s visible, precision %s, recall %s\n",
+                    row[0].c_str(), row[1].c_str(), row[2].c_str(), row[3].c_str(), row[4].c_str());
+      out += line;
+    }
   if (s.at("scans_without_pose").get<std::int64_t>() > 0)
     out += "  note          " +
            count(s.at("scans_without_pose"), "scans have no pose of their own: interpolated\n");

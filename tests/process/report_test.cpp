@@ -217,6 +217,50 @@ TEST_CASE("what cannot be read or written is said by name") {
                       Catch::Contains("world.geojson"));
 }
 
+TEST_CASE("nodes and updates that a log lost are counted, and those after the gap still stand") {
+  const Folder folder;
+  test::write_synthetic_run(folder.file("whole.lcm"), 300);
+  LogReader in(folder.file("whole.lcm"));
+  LogWriter out(folder.file("run.lcm"));
+  int nodes = 0, updates = 0;
+  for (LogEvent event; in.next(event);) {
+    if (event.channel == channel::kNode && ++nodes == 10) continue;
+    if (event.channel == channel::kGraph && ++updates == 12) continue;  // holds the edge 10 -> 11
+    out.write(event.utime, event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
+  }
+  out.close();
+  REQUIRE(report::write_report({folder.path, "", ""}) == "");
+  const auto graph = nlohmann::json::parse(read(folder.file("summary.json")))["graph"];
+  REQUIRE(graph["nodes_missing_in_log"] == 1);
+  REQUIRE(graph["updates_missing_in_log"] == 1);
+  REQUIRE(graph["nodes"] == nodes);  // the last update says where the lost node is
+  REQUIRE(graph["edges"] == nodes - 2);
+  REQUIRE(count_of(read(folder.file("report.html")), "nodes are missing in the log") == 1);
+}
+
+TEST_CASE("another session's graph in the same log takes the place of the first") {
+  const Folder folder;
+  test::write_synthetic_run(folder.file("first.lcm"), 200);
+  test::write_synthetic_run(folder.file("second.lcm"), 100, 0, 5'000'000'000);
+  LogWriter out(folder.file("run.lcm"));
+  for (const char* name : {"first.lcm", "second.lcm"}) {
+    LogReader in(folder.file(name));
+    for (LogEvent event; in.next(event);)
+      out.write(event.utime, event.channel, event.bytes.data(),
+                static_cast<int>(event.bytes.size()));
+  }
+  out.close();
+  report::write_report({folder.path, "", ""});
+  const auto s = nlohmann::json::parse(read(folder.file("summary.json")));
+  REQUIRE(s["scans"] == 300);
+  REQUIRE(s["scans_without_pose"] == 0);
+  REQUIRE(s["graph"]["edges_without_node"] == 0);
+  // Both drove the same way: the first session's path stays where it was estimated.
+  const auto lines = read_tum(folder.file("path.tum"));
+  REQUIRE(lines.size() == 300);
+  for (int i = 0; i < 100; ++i) REQUIRE(std::abs(lines[i][1] - lines[200 + i][1]) < 0.1);
+}
+
 TEST_CASE("a true world is drawn under what was found") {
   const Folder folder;
   test::write_synthetic_run(folder.file("run.lcm"), 100);

@@ -27,7 +27,6 @@ namespace modslam::test {
 namespace {
 
 using Segment = std::array<double, 4>;
-constexpr std::int64_t kStart_us = 1'000'000'000;
 constexpr double kResolution_m = 0.05;
 constexpr int kTile_cells = 128;
 
@@ -332,20 +331,20 @@ class Estimator {
   std::int64_t seq_ = 0, edges_ = 0, updates_ = 0, proposals_ = 0;
 };
 
-void write_head(LogWriter& log, const SensorInfo& sensor) {
-  log.write(kStart_us, channel::kSensorInfo, to_message(sensor, kStart_us));
+void write_head(LogWriter& log, const SensorInfo& sensor, std::int64_t utime) {
+  log.write(utime, channel::kSensorInfo, to_message(sensor, utime));
   sim_info_t sim{};
-  sim.utime = kStart_us;
+  sim.utime = utime;
   sim.world = "two_rooms.geojson";
   sim.route = "figure_eight";
   sim.noise = "none";
   sim.seed = 7;
-  log.write(kStart_us, channel::kSimInfo, sim);
+  log.write(utime, channel::kSimInfo, sim);
   for (const char* name : {"scan_matcher", "graph_optimizer"}) {
     parameters_t parameters{};
     parameters.name = name;
     parameters.toml = "[launch]\nestimator = \"graph_optimizer\"\nsemantics = true\n";
-    log.write(kStart_us, channel::kParameters, parameters);
+    log.write(utime, channel::kParameters, parameters);
   }
 }
 
@@ -375,17 +374,18 @@ int match_verdict(int scan) {
 
 }  // namespace
 
-SyntheticRun write_synthetic_run(const std::string& log_path, int scans, int drop_pose_every) {
+SyntheticRun write_synthetic_run(const std::string& log_path, int scans, int drop_pose_every,
+                                 std::int64_t start_utime) {
   SyntheticRun run;
   run.T_base_laser = {0.2, 0, 0};
   run.T_world_map = route(0);
   const SensorInfo sensor{run.T_base_laser, 0.05, 20, false, 0};
   LogWriter log(log_path);
-  write_head(log, sensor);
+  write_head(log, sensor, start_utime);
   Estimator estimator(log, sensor);
   Canvas canvas;
   Pose2 T_odom_base;
-  std::int64_t utime = kStart_us;
+  std::int64_t utime = start_utime;
   for (int i = 0; i < scans; ++i, utime += 100'000) {
     const Pose2 T_world_base = route(2 * kPi * i / 600);
     if (i > 0) {
@@ -429,6 +429,17 @@ std::string synthetic_world_geojson() {
   };
   for (const Segment& s : kWalls) add("wall", s);
   for (const Segment& s : kDoors) add("door", s);
+  const Segment rooms[] = {{0, 0, 8, 8}, {8, 0, 16, 8}, {0, -2, 16, 0}};  // x0 y0 x1 y1
+  int id = 0;
+  for (const auto& [x0, y0, x1, y1] : rooms) {
+    char room[400];
+    std::snprintf(room, sizeof room,
+                  ",{\"type\":\"Feature\",\"properties\":{\"kind\":\"room\",\"id\":%d},"
+                  "\"geometry\":{\"type\":"
+                  "\"Polygon\",\"coordinates\":[[[%g,%g],[%g,%g],[%g,%g],[%g,%g],[%g,%g]]]}}\n",
+                  ++id, x0, y0, x1, y0, x1, y1, x0, y1, x0, y0);
+    features += room;
+  }
   return "{\"type\":\"FeatureCollection\",\"features\":[" + features + "]}\n";
 }
 

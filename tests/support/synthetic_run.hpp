@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "common/geometry/stamped_pose.hpp"
+#include "common/geometry/path_pose.hpp"
 
 namespace modslam::test {
 
 struct SyntheticRun {
-  std::vector<StampedPose> truth;  ///< T_world_base, one a scan
+  std::vector<PathPose> truth;  ///< T_world_base, one a scan
   Pose2 T_world_map;
   Pose2 T_base_laser;
   int nodes = 0, loop_edges = 0;
@@ -20,7 +20,8 @@ struct SyntheticRun {
 
 /// Writes the log. `scans` of 10 Hz; 1200 are two laps.
 /// @param drop_pose_every  leaves out every n-th POSE; 0: none.
-SyntheticRun write_synthetic_run(const std::string& log_path, int scans, int drop_pose_every = 0);
+SyntheticRun write_synthetic_run(const std::string& log_path, int scans, int drop_pose_every = 0,
+                                 std::int64_t start_utime = 1'000'000'000);
 
 /// The building of that run as GeoJSON (walls and doors, world coordinates).
 std::string synthetic_world_geojson();

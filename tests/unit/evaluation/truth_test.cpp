@@ -20,7 +20,7 @@ Path square_drive() {
 
 Path moved(const Path& path, const Pose2& T) {
   Path out = path;
-  for (PathPose& p : out) p.pose = T * p.pose;
+  for (StampedPose& p : out) p.pose = T * p.pose;
   return out;
 }
 
@@ -43,7 +43,7 @@ TEST_CASE("Least squares is never worse in rms than the first pose", "[evaluatio
   std::mt19937_64 random(5);
   for (int i = 0; i < 50; ++i) {
     Path estimate = square_drive();
-    for (PathPose& p : estimate) p.pose = p.pose * random_pose(random, 0.3);
+    for (StampedPose& p : estimate) p.pose = p.pose * random_pose(random, 0.3);
     const auto pairs = pair_with_truth(estimate, square_drive());
     const double rms_m = absolute_error(pairs, align_least_squares(pairs)).position_m.rms;
     CHECK(rms_m <= absolute_error(pairs, align_first(pairs)).position_m.rms + 1e-12);

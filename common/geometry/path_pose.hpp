@@ -7,7 +7,7 @@
 namespace modslam {
 
 /// A pose and the time it belongs to [us].
-struct StampedPose {
+struct PathPose {
   std::int64_t utime = 0;
   Pose2 pose;
 };

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// modslam-conduct: what a launcher needs to know of a running system, over the bus: STATUS in, COMMAND out.
+///   up NAME...      waits until each process has spoken
+///   ended NAME      waits until that process says FINISHED (a simulated route has ended)
+///   settle NAME...  tells each in turn that the input has ended and waits for its FINISHED
+///   status          listens for a moment and prints a table; exit code 1 when somebody is in trouble
+/// A COMMAND stands in each process's queue behind the messages sent before it, so FINISHED means: all of those are handled.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <iomanip>
+#include <iostream>
+#include <map>
+#include <modslam/command_t.hpp>
+#include <modslam/process_status_t.hpp>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/process.hpp"
+
+namespace modslam {
+namespace {
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+struct Heard {
+  process_status_t status;
+  double at_s;
+  int count;
+};
+
+class Conductor {
+ public:
+  explicit Conductor(const std::string& url) : transport_(url), bus_(transport_, "conduct") {
+    bus_.subscribe<process_status_t>(channel::kStatus, [this](const process_status_t& m) {
+      Heard& heard = heard_[m.name];
+      heard = {m, now_s(), heard.count + 1};
+    });
+  }
+
+  /// @return false when `seconds` passed before `done` was true.
+  template <class Done>
+  bool wait(double seconds, Done done) {
+    const double end = now_s() + seconds;
+    while (!done()) {
+      if (now_s() > end) return false;
+      transport_.poll(20);
+    }
+    return true;
+  }
+
+  bool up(const std::vector<std::string>& names, double seconds) {
+    const bool all = wait(seconds, [&] {
+      return std::all_of(names.begin(), names.end(), [&](const auto& name) { return heard_.count(name) > 0; });
+    });
+    for (const auto& name : names)
+      if (!heard_.count(name)) std::cerr << name << " has not spoken within " << seconds << " s" << std::endl;
+    return all;
+  }
+
+  bool ended(const std::string& name, double seconds) {
+    return wait(seconds, [&] {
+      const auto heard = heard_.find(name);
+      return heard != heard_.end() && heard->second.status.state == process_status_t::FINISHED;
+    });
+  }
+
+  bool settle(const std::string& name, double seconds) {
+    const double end = now_s() + seconds;
+    while (now_s() < end) {  // a command may be lost too: say it again every five seconds
+      heard_.erase(name);
+      command_t command{};
+      command.target = name;
+      command.verb = "finish";
+      bus_.publish(channel::kCommand, command);
+      if (wait(std::min(5.0, end - now_s()), [&] {
+            const auto heard = heard_.find(name);
+            return heard != heard_.end() && heard->second.status.state == process_status_t::FINISHED;
+          }))
+        return true;
+    }
+    std::cerr << name << " has not finished within " << seconds << " s" << std::endl;
+    return false;
+  }
+
+  int print_status(double seconds) {
+    wait(seconds, [] { return false; });
+    if (heard_.empty()) {
+      std::cerr << "no process has spoken within " << seconds << " s: is a run going on?" << std::endl;
+      return 1;
+    }
+    bool well = true;
+    std::cout << std::left << std::setw(22) << "process" << std::setw(10) << "state" << std::right << std::setw(8) << "pid"
+              << std::setw(10) << "in" << std::setw(8) << "bad" << std::setw(8) << "gaps" << std::setw(10) << "p50 ms"
+              << std::setw(10) << "p99 ms" << std::setw(9) << "MB" << "  what it says\n";
+    for (const auto& [name, heard] : heard_) {
+      const process_status_t& s = heard.status;
+      static const char* const kStates[] = {"?", "running", "TROUBLE", "finished", "stopped"};
+      std::int64_t in = 0, bad = 0, gaps = 0;
+      for (const auto& c : s.inputs) in += c.received, bad += c.bad, gaps += c.gaps;
+      well = well && s.state != process_status_t::TROUBLED;
+      std::cout << std::left << std::setw(22) << name << std::setw(10)
+                << (s.state >= 0 && s.state <= 4 ? kStates[s.state] : "?") << std::right << std::setw(8) << s.pid
+                << std::setw(10) << in << std::setw(8) << bad << std::setw(8) << gaps << std::fixed << std::setprecision(2)
+                << std::setw(10) << 1e-3 * static_cast<double>(s.latency_p50_us) << std::setw(10)
+                << 1e-3 * static_cast<double>(s.latency_p99_us) << std::setw(9) << std::setprecision(1)
+                << static_cast<double>(s.memory_kb) / 1024 << "  " << s.words << "\n";
+    }
+    return well ? 0 : 1;
+  }
+
+ private:
+  Transport transport_;
+  Bus bus_;
+  std::map<std::string, Heard> heard_;
+};
+
+}  // namespace
+}  // namespace modslam
+
+int main(int argc, char** argv) {
+  std::string url;
+  double seconds = 60;
+  std::vector<std::string> names;
+  CLI::App app("Waits for, settles and lists the processes of a run");
+  app.add_option("--url", url, "LCM url")->envname("LCM_DEFAULT_URL")->required();
+  app.add_option("--timeout", seconds, "how long to wait [s]")->capture_default_str();
+  auto* up = app.add_subcommand("up", "wait until each process has spoken");
+  up->add_option("names", names)->required();
+  auto* ended = app.add_subcommand("ended", "wait until a process says FINISHED");
+  ended->add_option("names", names)->required();
+  auto* settle = app.add_subcommand("settle", "tell each in turn that the input has ended");
+  settle->add_option("names", names)->required();
+  auto* status = app.add_subcommand("status", "print a table");
+  app.require_subcommand(1);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    if (const std::string trouble = modslam::preflight(url); !trouble.empty()) throw std::runtime_error(trouble);
+    modslam::Conductor conductor(url);
+    if (*up) return conductor.up(names, seconds) ? 0 : 1;
+    if (*ended) return conductor.ended(names.front(), seconds) ? 0 : 1;
+    if (*status) return conductor.print_status(std::min(seconds, 1.6));
+    for (const std::string& name : names)
+      if (!conductor.settle(name, seconds)) return 1;
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "conduct: " << error.what() << std::endl;
+    return 1;
+  }
+}

@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Sourced by run.sh: one run. Its folder, its processes under supervisor, its end and its results.
+
+readonly CURRENT=$HOUSE/logs/.current  # names the folder of the run that is going on
+OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" ENDED=""
+
+# Options that all runs share; sets OUT, SPEED, CONFIG, OVERRIDES.
+parse_run_options() {
+  local kind=$1; shift
+  while (($#)); do
+    case $1 in
+      --out) OUT=${2:?--out: which folder?}; shift 2 ;;
+      --speed) SPEED=${2:?--speed: how fast?}; shift 2 ;;
+      --config) CONFIG=$(readlink -f "${2:?--config: which file?}") || die "$2: there is no such file"; shift 2 ;;
+      --set) OVERRIDES+=(--set "${2:?--set: table.key=value}"); shift 2 ;;
+      *) die "$kind: unknown option '$1'" ;;
+    esac
+  done
+  [[ $SPEED =~ ^[0-9]+([.][0-9]+)?$ ]] || die "--speed $SPEED: not a positive number"
+  "$BIN/modslam-config" --config "$CONFIG" "${OVERRIDES[@]}" >/dev/null || exit 1
+  OUT=${OUT:-$HOUSE/logs/$(date +%Y-%m-%d_%H-%M-%S)_$kind}
+  mkdir -p "$OUT" 2>/dev/null && [[ -w $OUT ]] || die "$OUT: cannot be written"
+  OUT=$(readlink -f "$OUT")
+}
+
+setting() { "$BIN/modslam-config" --config "$CONFIG" "${OVERRIDES[@]}" --get "$1"; }
+
+check_log() {
+  [[ $(head -c 4 "$1" | od -An -tx1 | tr -d ' ') == eda1da01 ]] ||
+    die "$1: is not an LCM log (./run.sh import turns CARMEN logs and rawlogs into one)"
+}
+
+simulated_sources() { echo "simulator laser odometry ins"; }
+live_sources() { echo "$([[ $(setting laser.driver) == simulated ]] && echo simulator) laser odometry ins"; }
+
+estimator_process() { [[ $(setting launch.estimator) == graph_optimizer ]] && echo graph_optimizer || echo yardstick; }
+
+# The processes between the sensors and the person, in the order in which data flows.
+mapping_processes() {
+  echo scan_matcher
+  estimator_process
+  [[ $(estimator_process) == graph_optimizer ]] && echo loop_detector
+  echo map_builder
+  [[ $(setting launch.semantics) == true ]] && echo semantic_classifier
+  [[ $(setting launch.viewer) == true ]] && echo viewer
+  return 0
+}
+
+# start_run "SOURCE...": writes the run's supervisor file and starts everything; returns when all processes have spoken.
+start_run() {
+  local sources=$1
+  ensure_multicast
+  rm -f "$OUT"/run.lcm
+  mkdir -p "$OUT/log"
+  PORT=$(free_port)
+  export LCM_DEFAULT_URL; LCM_DEFAULT_URL=$(url_of_port "$PORT")
+  if [[ $(setting launch.viewer) == true ]]; then
+    PAGE_PORT=$(free_page_port "$(setting viewer.port)")
+    OVERRIDES+=(--set "viewer.port=$PAGE_PORT")
+  fi
+  SOCKET_DIR=$(mktemp -d "${TMPDIR:-/tmp}/modslam-XXXXXX")
+  # The simulated world waits until everybody listens: it is started after the others.
+  local first=() late=() name
+  for name in $sources; do [[ $name == simulator ]] && late+=("$name") || first+=("$name"); done
+  for name in $(mapping_processes); do first+=("$name"); done
+  write_supervisor_file "${first[*]}" "${late[*]:-}" >"$OUT/supervisor.conf"
+  trap 'on_signal' INT TERM
+  trap 'stop_run' EXIT
+  setsid supervisord -c "$OUT/supervisor.conf" >"$OUT/log/supervisord.out" 2>&1 &
+  SUPERVISOR_PID=$!
+  mkdir -p "$HOUSE/logs"
+  printf 'OUT=%q\nPORT=%q\nPAGE_PORT=%q\nSUPERVISOR_PID=%q\n' "$OUT" "$PORT" "${PAGE_PORT:-}" "$SUPERVISOR_PID" >"$CURRENT"
+  cp "$CURRENT" "$OUT/run.env"
+  "$BIN/modslam-conduct" --timeout 20 up "${first[@]}" ||
+    { tail -n 5 "$OUT"/log/*.log >&2; die "not all processes started; their logs are in $OUT/log"; }
+  for name in "${late[@]}"; do supervisor_control start "$name" >/dev/null; done
+}
+
+write_supervisor_file() {
+  cat <<INI
+[supervisord]
+nodaemon=true
+logfile=$OUT/log/supervisord.log
+pidfile=$SOCKET_DIR/supervisord.pid
+$( ((EUID == 0)) && echo user=root )
+[unix_http_server]
+file=$SOCKET_DIR/supervisor.sock
+[supervisorctl]
+serverurl=unix://$SOCKET_DIR/supervisor.sock
+[rpcinterface:supervisor]
+supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
+INI
+  # The logger starts first and stops last.
+  program logger 1 true "lcm-logger -q -a -v -c ^SIM_STATE\$ $OUT/run.lcm"
+  local name priority=10
+  for name in $1; do program "$name" $((priority++)) true "$(command_of "$name")"; done
+  for name in $2; do program "$name" $((priority++)) false "$(command_of "$name")"; done
+}
+
+command_of() {
+  local words=("$BIN/modslam-${1//_/-}" --config "$CONFIG" "${OVERRIDES[@]}")
+  printf '"%s" ' "${words[@]//\"/\\\"}"
+}
+
+program() {  # name priority autostart command
+  cat <<INI
+[program:$1]
+command=${4//%/%%}
+directory=$HOUSE
+priority=$2
+autostart=$3
+autorestart=true
+startsecs=0
+startretries=20
+stopsignal=TERM
+stopwaitsecs=5
+redirect_stderr=true
+stdout_logfile=$OUT/log/$1.log
+stdout_logfile_maxbytes=10MB
+stdout_logfile_backups=1
+INI
+}
+
+supervisor_control() { supervisorctl -c "$OUT/supervisor.conf" "$@"; }
+
+page_url() { [[ -n ${PAGE_PORT:-} ]] && echo "http://127.0.0.1:$PAGE_PORT/" || echo "(no viewer)"; }
+
+wait_for_simulation() {
+  local name
+  until "$BIN/modslam-conduct" --timeout 10 ended simulator; do
+    kill -0 "$SUPERVISOR_PID" 2>/dev/null || die "the run was stopped"
+    for name in simulator $(mapping_processes); do
+      supervisor_control status "$name" | grep -Eq 'RUNNING|STARTING|BACKOFF' || die "$name does not run; see $OUT/log/$name.log"
+    done
+  done
+}
+
+play_log() {
+  lcm-logplayer -s "$SPEED" -e 'LASER|ODOMETRY|INS|SENSOR_INFO|GROUND_TRUTH|SIM_INFO' "$1" >"$OUT/log/logplayer.log" 2>&1 &
+  PLAYER_PID=$!
+  wait "$PLAYER_PID" || die "lcm-logplayer failed; see $OUT/log/logplayer.log"
+  PLAYER_PID=""
+}
+
+# The input has ended: let every process settle in the order in which data flows, stop all, make the results.
+end_run() {
+  local order=(scan_matcher "$(estimator_process)") name
+  for name in $(mapping_processes); do
+    case $name in
+      loop_detector) order+=(loop_detector "$(estimator_process)") ;;
+      map_builder | semantic_classifier) order+=("$name") ;;
+    esac
+  done
+  "$BIN/modslam-conduct" --timeout 60 settle "${order[@]}" || echo "run.sh: not every process settled; the result may lack its last part" >&2
+  sleep 0.3  # the logger writes what it has
+  "$BIN/modslam-conduct" status >"$OUT/status.txt" 2>/dev/null || true
+  stop_run
+  ENDED=yes
+  make_results "$OUT"
+}
+
+on_signal() {
+  trap - INT TERM
+  echo >&2
+  stop_run
+  # A run that was cut short still has its log; whoever wants results from it gets them.
+  if [[ -z $ENDED && -s $OUT/run.lcm ]]; then
+    echo "Stopped. The log is $OUT/run.lcm; making what results it gives." >&2
+    make_results "$OUT" || true
+  fi
+  exit 130
+}
+
+stop_run() {
+  trap - EXIT
+  [[ -n ${PLAYER_PID:-} ]] && kill "$PLAYER_PID" 2>/dev/null || true
+  if [[ -n $SUPERVISOR_PID ]] && kill -0 "$SUPERVISOR_PID" 2>/dev/null; then
+    kill -TERM "$SUPERVISOR_PID"
+    wait "$SUPERVISOR_PID" 2>/dev/null || true
+  fi
+  SUPERVISOR_PID=""
+  [[ -n ${SOCKET_DIR:-} ]] && rm -rf "$SOCKET_DIR"
+  [[ -e $CURRENT ]] && grep -qF "OUT=$(printf '%q' "$OUT")" "$CURRENT" && rm -f "$CURRENT"
+  return 0
+}
+
+# The world of a simulated run stands in its log; others have none.
+make_results() {
+  local dir=$1 truth=() world code=0
+  world=$("$BIN/modslam-report" --world-of "$dir" 2>/dev/null) || world=""
+  if [[ -n $world && -e $HOUSE/config/worlds/$world ]]; then
+    "$BIN/modslam-world-truth" "$HOUSE/config/worlds/$world" "$dir/truth.geojson"
+    truth=(--world-truth "$dir/truth.geojson")
+  fi
+  "$BIN/modslam-report" "$dir" "${truth[@]}" || code=$?
+  "$BIN/modslam-report" --table "$dir" || true
+  return "$code"
+}
+
+attach() {
+  [[ -e $CURRENT ]] || die "no run is going on"
+  # shellcheck disable=SC1090
+  source "$CURRENT"
+  export LCM_DEFAULT_URL; LCM_DEFAULT_URL=$(url_of_port "$PORT")
+}
+
+attach_or_default() {
+  if [[ -e $CURRENT ]]; then attach; else export LCM_DEFAULT_URL=${LCM_DEFAULT_URL:-$(url_of_port 7667)}; fi
+}
+
+stop_current() {
+  [[ -e $CURRENT ]] || { echo "no run is going on"; return 0; }
+  # shellcheck disable=SC1090
+  source "$CURRENT"
+  if kill -0 "$SUPERVISOR_PID" 2>/dev/null; then
+    kill -TERM "$SUPERVISOR_PID"
+    while kill -0 "$SUPERVISOR_PID" 2>/dev/null; do sleep 0.1; done
+    echo "stopped; results and log: $OUT"
+  fi
+  rm -f "$CURRENT"
+}

@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# ModSLAM's one launcher. Every verb is a short function below, or a program that it calls. ./run.sh help
+set -euo pipefail
+cd "$(dirname "$(readlink -f "$0")")"
+readonly HOUSE=$PWD
+readonly BUILD=${MODSLAM_BUILD:-$HOUSE/build}
+readonly BIN=$BUILD/bin
+CONFIG=$HOUSE/config/modslam.toml
+source procs/launch/setup.sh    # packages and build
+source procs/launch/network.sh  # port, multicast route
+source procs/launch/run.sh      # one run: folder, processes under supervisor, results
+
+help() {
+  cat <<'TXT'
+ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
+
+  ./run.sh demo [--out DIR] [--set T.K=V]...  drive the simulated Apartment, map it, show what was found
+  ./run.sh test                               everything that must hold
+  ./run.sh live [--out DIR]                   the same processes with the drivers of config/modslam.toml, until Ctrl-C
+  ./run.sh replay LOG [--speed S] [--out DIR] play an LCM log through the processes with lcm-logplayer
+  ./run.sh offline LOG --out DIR              the same in one program, as fast as the machine, same bytes every time
+  ./run.sh import FILE OUT.lcm [--laser-x M --laser-y M --laser-yaw RAD]
+                                              CARMEN .log/.clf (.gz, .xz) or MRPT .rawlog to an LCM log
+  ./run.sh simulate OUT.lcm [--set T.K=V]...  a simulated log without the network
+  ./run.sh evaluate ...                       scores: --relations, --truth, --semantic (evaluate --help)
+  ./run.sh report DIR                         make the results in a run's folder from its run.lcm again
+  ./run.sh record OUT.lcm                     lcm-logger on the run that is going on, until Ctrl-C
+  ./run.sh spy                                lcm-spy with our message types
+  ./run.sh view                               where the page of the run that is going on is
+  ./run.sh status                             processes, rates, latencies; exit code 1 when one is in trouble
+  ./run.sh stop                               stop the run that is going on
+  ./run.sh build                              install what is missing and build
+All that start modules take --config FILE and --set table.key=value (repeatable). Results: logs/<run>/ or --out DIR.
+TXT
+}
+
+demo() {
+  parse_run_options demo "$@"
+  start_run "$(simulated_sources)"
+  echo "The robot drives. Page: $(page_url)   Stop: Ctrl-C"
+  wait_for_simulation
+  end_run
+}
+
+live() {
+  parse_run_options live "$@"
+  start_run "$(live_sources)"
+  echo "Running. Page: $(page_url)   Stop: Ctrl-C"
+  wait "$SUPERVISOR_PID" || true
+}
+
+replay() {
+  local log=${1:-}
+  [[ -n $log && $log != --* ]] || die "replay: which log? ./run.sh replay LOG [--speed S] [--out DIR]"
+  [[ -r $log ]] || die "replay: $log: there is no such file"
+  log=$(readlink -f "$log"); shift
+  parse_run_options replay "$@"
+  check_log "$log"
+  start_run ""
+  echo "Replaying $log at $SPEED times real time. Page: $(page_url)   Stop: Ctrl-C"
+  play_log "$log"
+  end_run
+}
+
+offline() {
+  local log=${1:-}
+  [[ -n $log && $log != --* ]] || die "offline: which log? ./run.sh offline LOG --out DIR"
+  shift
+  parse_run_options offline "$@"
+  local code=0
+  "$BIN/modslam-offline" "$log" --out "$OUT" --config "$CONFIG" "${OVERRIDES[@]}" || code=$?
+  ((code == 0 || code == 2)) || exit "$code"
+  make_results "$OUT" || code=$?
+  exit "$code"
+}
+
+import_log() { exec "$BIN/modslam-import" "$@"; }
+simulate() { exec "$BIN/modslam-simulate" "$@"; }
+evaluate() { exec "$BIN/modslam-evaluate" "$@"; }
+report() { make_results "${1:?report: which folder?}"; }
+record() { attach; exec lcm-logger "${1:?record: which file?}"; }
+spy() { attach_or_default; exec procs/spy/spy.sh "$BUILD/modslam-types.jar" "$@"; }
+view() { attach; page_url; }
+status() { attach; exec "$BIN/modslam-conduct" status; }
+stop() { stop_current; }
+run_tests() { exec python3 tests/run_all.py "$BUILD" "$@"; }
+
+main() {
+  local verb=${1:-help}; shift || true
+  case $verb in
+    help | -h | --help) help ;;
+    stop) stop ;;
+    build) ensure_built all ;;
+    test) ensure_built all; run_tests "$@" ;;
+    demo | live | replay | offline | simulate | evaluate | report | record | spy | view | status) ensure_built programs; "$verb" "$@" ;;
+    import) ensure_built programs; import_log "$@" ;;
+    *) echo "run.sh: '$verb' is no verb" >&2; help >&2; exit 2 ;;
+  esac
+}
+main "$@"
