@@ -11,8 +11,8 @@
 
 namespace modslam {
 
-/// Collects the chunks of one version at a time; chunks of another version make it start anew, because that
-/// is a newer list or one of a restarted sender.
+/// Collects the chunks of one version at a time; chunks of another version make it start anew,
+/// because that is a newer list or one of a restarted sender.
 template <class Message>
 class ChunkedList {
  public:
@@ -22,7 +22,8 @@ class ChunkedList {
     constexpr std::int32_t kMaxChunks = 10'000;
     if (message.nchunks < 1 || message.nchunks > kMaxChunks || message.chunk < 0 ||
         message.chunk >= message.nchunks)
-      throw BadMessage("chunk " + std::to_string(message.chunk) + " of " + std::to_string(message.nchunks));
+      throw BadMessage("chunk " + std::to_string(message.chunk) + " of " +
+                       std::to_string(message.nchunks));
     if (message.version != version_ || message.nchunks != nchunks_) {
       incomplete_ += chunks_.empty() ? 0 : 1;
       chunks_.clear();

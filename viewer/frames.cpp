@@ -19,7 +19,8 @@ double rounded(double value) {
 }
 
 double number(double value, const char* what) {
-  if (!(std::abs(value) <= kLargest)) throw BadMessage(std::string(what) + " with an impossible number");
+  if (!(std::abs(value) <= kLargest))
+    throw BadMessage(std::string(what) + " with an impossible number");
   return rounded(value);
 }
 
@@ -41,7 +42,8 @@ json outline(const std::vector<double>& x, const std::vector<double>& y, const c
 json counts_json(const std::vector<channel_count_t>& counts) {
   json list = json::array();
   for (const channel_count_t& c : counts)
-    list.push_back({{"channel", c.channel}, {"received", c.received}, {"bad", c.bad}, {"gaps", c.gaps}});
+    list.push_back(
+        {{"channel", c.channel}, {"received", c.received}, {"bad", c.bad}, {"gaps", c.gaps}});
   return list;
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file What a page is told: messages as JSON text, map tiles as bytes. README.md lists the streams.
+/// @file What a page is told: messages as JSON text, map tiles as bytes. README.md lists the
+/// streams.
 ///
-/// Numbers that are not finite and sizes that disagree throw BadMessage; names are foreign text, they are
-/// repaired to valid UTF-8 and escaped by the JSON library. Metres are rounded to millimetres.
+/// Numbers that are not finite and sizes that disagree throw BadMessage; names are foreign text,
+/// they are repaired to valid UTF-8 and escaped by the JSON library. Metres are rounded to
+/// millimetres.
 #pragma once
 #include <modslam/door_list_t.hpp>
 #include <modslam/map_tile_t.hpp>
@@ -38,8 +40,8 @@ nlohmann::json status_json(const process_status_t& message, std::int64_t seen_ms
 /// The cells of a tile, row 0 lowest y. @throws BadMessage on an unknown encoding, a size out of
 /// bounds or data that do not unpack to exactly ncells^2 bytes.
 std::vector<std::uint8_t> unpack_tile(const map_tile_t& tile);
-/// Header of 24 bytes, little endian (int32 tile_x, tile_y, ncells, version; float64 resolution_m), then
-/// the cells as they came: zlib. Unpacks once to be sure that the page can.
+/// Header of 24 bytes, little endian (int32 tile_x, tile_y, ncells, version; float64 resolution_m),
+/// then the cells as they came: zlib. Unpacks once to be sure that the page can.
 FramePtr tile_frame(const map_tile_t& tile);
 
 }  // namespace modslam

@@ -8,8 +8,8 @@
 
 namespace modslam {
 
-/// One thread publishes, many join and leave. A page that joins gets HELLO (forget what you know) and the
-/// newest frame of every stream.
+/// One thread publishes, many join and leave. A page that joins gets HELLO (forget what you know)
+/// and the newest frame of every stream.
 class Hub {
  public:
   /// `hello` is what a page gets first.

@@ -19,8 +19,9 @@ struct Frame {
 };
 using FramePtr = std::shared_ptr<const Frame>;
 
-/// Holds at most one frame a stream: a newer one takes the place of the one that waits, so its length is
-/// bounded by the number of streams and no stream can starve another. Safe to use from several threads.
+/// Holds at most one frame a stream: a newer one takes the place of the one that waits, so its
+/// length is bounded by the number of streams and no stream can starve another. Safe to use from
+/// several threads.
 class Outbox {
  public:
   void put(const std::string& stream, FramePtr frame);

@@ -23,14 +23,17 @@ void append(std::string& bytes, T value) {
 }  // namespace
 
 std::vector<std::uint8_t> unpack_tile(const map_tile_t& tile) {
-  if (tile.encoding != map_tile_t::ZLIB) throw BadMessage("tile encoding " + std::to_string(tile.encoding));
-  if (tile.ncells < 1 || tile.ncells > kMaxCells) throw BadMessage("tile of " + std::to_string(tile.ncells) + " cells");
+  if (tile.encoding != map_tile_t::ZLIB)
+    throw BadMessage("tile encoding " + std::to_string(tile.encoding));
+  if (tile.ncells < 1 || tile.ncells > kMaxCells)
+    throw BadMessage("tile of " + std::to_string(tile.ncells) + " cells");
   if (!(tile.resolution_m >= 1e-3 && tile.resolution_m <= 10.0))
     throw BadMessage("tile resolution " + std::to_string(tile.resolution_m) + " m");
   if (std::abs(static_cast<std::int64_t>(tile.tile_x)) > kMaxTile ||
       std::abs(static_cast<std::int64_t>(tile.tile_y)) > kMaxTile)
     throw BadMessage("tile at " + std::to_string(tile.tile_x) + ", " + std::to_string(tile.tile_y));
-  std::vector<std::uint8_t> cells(static_cast<std::size_t>(tile.ncells) * static_cast<std::size_t>(tile.ncells));
+  std::vector<std::uint8_t> cells(static_cast<std::size_t>(tile.ncells) *
+                                  static_cast<std::size_t>(tile.ncells));
   uLongf size = cells.size();
   uLong used = tile.data.size();
   if (uncompress2(cells.data(), &size, tile.data.data(), &used) != Z_OK || size != cells.size() ||

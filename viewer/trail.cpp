@@ -25,7 +25,8 @@ void Trail::clear() {
 void Trail::flush(Hub& hub) {
   for (const std::size_t piece : changed_) {
     const auto begin = poses_.begin() + static_cast<std::ptrdiff_t>(piece * kPiece);
-    const auto end = poses_.begin() + static_cast<std::ptrdiff_t>(std::min(poses_.size(), (piece + 1) * kPiece));
+    const auto end =
+        poses_.begin() + static_cast<std::ptrdiff_t>(std::min(poses_.size(), (piece + 1) * kPiece));
     hub.publish(name_ + "/" + std::to_string(piece),
                 text_frame(poses_json(name_.c_str(), piece * kPiece, {begin, end})));
   }

@@ -10,7 +10,8 @@
 
 namespace modslam {
 
-/// Poses 0, 1, 2, ... of stream `name`; piece k holds poses k * kPiece and following, as stream "name/k".
+/// Poses 0, 1, 2, ... of stream `name`; piece k holds poses k * kPiece and following, as stream
+/// "name/k".
 class Trail {
  public:
   static constexpr std::size_t kPiece = 256;

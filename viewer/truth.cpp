@@ -6,9 +6,9 @@
 namespace modslam {
 namespace {
 
-constexpr std::size_t kRecent = 500;           // five seconds of 100 Hz: longer than an estimate takes
-constexpr std::int64_t kBeside_us = 20'000;    // a robot at 1 m/s moves 2 cm meanwhile
-constexpr double kStep_m = 0.05;               // finer than a pixel at usual zoom
+constexpr std::size_t kRecent = 500;  // five seconds of 100 Hz: longer than an estimate takes
+constexpr std::int64_t kBeside_us = 20'000;  // a robot at 1 m/s moves 2 cm meanwhile
+constexpr double kStep_m = 0.05;             // finer than a pixel at usual zoom
 
 }  // namespace
 

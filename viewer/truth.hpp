@@ -9,8 +9,9 @@
 
 namespace modslam {
 
-/// Ground truth speaks of its own frame. The first estimated pose with a true one beside it ties the two
-/// frames together, once: from there on the distance between the paths is the estimator's error.
+/// Ground truth speaks of its own frame. The first estimated pose with a true one beside it ties
+/// the two frames together, once: from there on the distance between the paths is the estimator's
+/// error.
 class Truth {
  public:
   void add(const TimedPose& T_world_base);
@@ -22,7 +23,7 @@ class Truth {
  private:
   void extend(const Pose2& T_world_base);
 
-  std::deque<TimedPose> recent_;            ///< newest last
+  std::deque<TimedPose> recent_;  ///< newest last
   std::optional<Pose2> T_map_world_;
   Trail trail_{"truth"};
 };

@@ -23,8 +23,8 @@ constexpr std::size_t kScansKept = 40;       // an estimate comes at most this m
 constexpr std::size_t kMaxStreams = 50'000;  // tiles and processes that a page can be asked to hold
 constexpr std::int64_t kClockEvery_us = 500'000;
 
-/// Turns messages into the streams of the page. Things that come in lists or tiles go out as they come;
-/// what moves goes out at rate_hz, newest only.
+/// Turns messages into the streams of the page. Things that come in lists or tiles go out as they
+/// come; what moves goes out at rate_hz, newest only.
 class ViewerModule : public Module {
  public:
   ViewerModule(Bus& bus, const ViewerConfig& config)
@@ -51,28 +51,30 @@ class ViewerModule : public Module {
   }
 
   std::string words() const override {
-    return "http://127.0.0.1:" + std::to_string(server_.port()) + "/, pages open: " +
-           std::to_string(hub_.pages());
+    return "http://127.0.0.1:" + std::to_string(server_.port()) +
+           "/, pages open: " + std::to_string(hub_.pages());
   }
 
  private:
   void listen_to_sensors() {
     bus_.subscribe<sensor_info_t>(channel::kSensorInfo,
                                   [this](const sensor_info_t& m) { sensor_ = to_sensor_info(m); });
-    bus_.subscribe<bot_core::planar_lidar_t>(channel::kLaser, [this](const bot_core::planar_lidar_t& m) {
-      scans_.push_back(to_scan(m));
-      if (scans_.size() > kScansKept) scans_.pop_front();
-      bus_.saw_utime(m.utime);
-    });
-    bus_.subscribe<bot_core::pose_t>(channel::kGroundTruth,
-                                     [this](const bot_core::pose_t& m) { truth_.add(to_timed_pose(m)); });
+    bus_.subscribe<bot_core::planar_lidar_t>(channel::kLaser,
+                                             [this](const bot_core::planar_lidar_t& m) {
+                                               scans_.push_back(to_scan(m));
+                                               if (scans_.size() > kScansKept) scans_.pop_front();
+                                               bus_.saw_utime(m.utime);
+                                             });
+    bus_.subscribe<bot_core::pose_t>(
+        channel::kGroundTruth, [this](const bot_core::pose_t& m) { truth_.add(to_timed_pose(m)); });
   }
 
   void listen_to_graph() {
     mirror_.on_pose = [this](const pose_estimate_t& m) { take_pose(m); };
     mirror_.on_node = [this](const MirrorNode& node) { nodes_.append(node.T_map_base); };
     mirror_.on_update = [this](const std::vector<NodeId>& moved) {
-      for (const NodeId id : moved) nodes_.set(static_cast<std::size_t>(id), mirror_.nodes()[id].T_map_base);
+      for (const NodeId id : moved)
+        nodes_.set(static_cast<std::size_t>(id), mirror_.nodes()[id].T_map_base);
       edges_changed_ = true;
     };
     mirror_.on_reset = [this] { start_anew(); };
@@ -108,7 +110,8 @@ class ViewerModule : public Module {
   }
 
   void publish(const std::string& stream, FramePtr frame) {
-    if (hub_.streams() >= kMaxStreams) throw BadMessage("more than 50000 tiles and processes to show");
+    if (hub_.streams() >= kMaxStreams)
+      throw BadMessage("more than 50000 tiles and processes to show");
     hub_.publish(stream, std::move(frame));
   }
 
@@ -128,7 +131,8 @@ class ViewerModule : public Module {
       placed_scan_ = {scans_.back(), Pose2()};
     if (placed_scan_) {
       shown_utime_ = placed_scan_->first.utime;
-      hub_.publish("scan", text_frame(scan_json(placed_scan_->first, sensor_, placed_scan_->second)));
+      hub_.publish("scan",
+                   text_frame(scan_json(placed_scan_->first, sensor_, placed_scan_->second)));
       placed_scan_.reset();
     }
     nodes_.flush(hub_);
@@ -146,8 +150,10 @@ class ViewerModule : public Module {
   json clock_json() const {
     json channels = json::array();
     for (const auto& [name, count] : bus_.inputs())
-      channels.push_back(
-          {{"channel", name}, {"received", count.received}, {"bad", count.bad}, {"gaps", count.gaps}});
+      channels.push_back({{"channel", name},
+                          {"received", count.received},
+                          {"bad", count.bad},
+                          {"gaps", count.gaps}});
     return {{"stream", "clock"},
             {"now_ms", now_ms_},
             {"utime", bus_.utime()},

@@ -59,16 +59,25 @@ WebServer::WebServer(int port, Hub& hub, const std::vector<WebFile>& files)
     : hub_(hub), files_(files) {
   const std::string address = "127.0.0.1:" + std::to_string(port);
   const std::string threads = std::to_string(kMaxPages + 4);
-  const char* options[] = {"listening_ports", address.c_str(), "num_threads", threads.c_str(),
-                           "request_timeout_ms", "5000", "websocket_timeout_ms", "10000",
-                           "enable_websocket_ping_pong", "yes", nullptr};
+  const char* options[] = {"listening_ports",
+                           address.c_str(),
+                           "num_threads",
+                           threads.c_str(),
+                           "request_timeout_ms",
+                           "5000",
+                           "websocket_timeout_ms",
+                           "10000",
+                           "enable_websocket_ping_pong",
+                           "yes",
+                           nullptr};
   mg_init_library(0);
   context_ = mg_start(nullptr, nullptr, options);
   if (!context_) {
     mg_exit_library();
-    throw std::runtime_error("cannot listen on " + address +
-                             ": the port is taken (another viewer?) or not allowed; choose a free one with "
-                             "--set viewer.port=N");
+    throw std::runtime_error(
+        "cannot listen on " + address +
+        ": the port is taken (another viewer?) or not allowed; choose a free one with "
+        "--set viewer.port=N");
   }
   mg_server_port bound{};
   mg_get_server_ports(context_, 1, &bound);
@@ -94,8 +103,10 @@ int WebServer::answer(mg_connection* connection, void* self) {
   if (path == "/") path = "/index.html";
   for (const WebFile& file : static_cast<WebServer*>(self)->files_) {
     if (path != file.path) continue;
-    mg_printf(connection, "HTTP/1.1 200 OK\r\nContent-Type: %s\r\nContent-Length: %zu\r\n%sConnection: close\r\n\r\n",
-              file.type, file.bytes.size(), kSafetyHeaders);
+    mg_printf(
+        connection,
+        "HTTP/1.1 200 OK\r\nContent-Type: %s\r\nContent-Length: %zu\r\n%sConnection: close\r\n\r\n",
+        file.type, file.bytes.size(), kSafetyHeaders);
     if (method == "GET") mg_write(connection, file.bytes.data(), file.bytes.size());
     return 200;
   }
@@ -119,7 +130,8 @@ void WebServer::open(mg_connection* connection, void* self) {
   auto* server = static_cast<WebServer*>(self);
   ++server->pages_;
   auto* page = new Page{server->hub_.join(), {}};
-  page->sender = std::thread([connection, outbox = page->outbox] { Page::send(connection, *outbox); });
+  page->sender =
+      std::thread([connection, outbox = page->outbox] { Page::send(connection, *outbox); });
   mg_set_user_connection_data(connection, page);
 }
 

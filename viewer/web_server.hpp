@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file The page and its WebSocket on 127.0.0.1, by civetweb. The only place that knows threads and sockets.
+/// @file The page and its WebSocket on 127.0.0.1, by civetweb. The only place that knows threads
+/// and sockets.
 #pragma once
 #include <atomic>
 #include <memory>
@@ -22,16 +23,19 @@ struct WebFile {
 };
 const std::vector<WebFile>& web_files();
 
-/// Whether a WebSocket request may be answered: it was sent to a loopback name (so no foreign name was
-/// rebound to this machine) and, when a browser says where it comes from, it comes from that very address.
-/// @param host    header Host, e.g. "127.0.0.1:8080"; with port forwarding the port is the forwarded one.
+/// Whether a WebSocket request may be answered: it was sent to a loopback name (so no foreign name
+/// was rebound to this machine) and, when a browser says where it comes from, it comes from that
+/// very address.
+/// @param host    header Host, e.g. "127.0.0.1:8080"; with port forwarding the port is the
+/// forwarded one.
 /// @param origin  header Origin, e.g. "http://127.0.0.1:8080"; empty: not from a web page.
 bool is_own_page(const std::string& host, const std::string& origin);
 
 /// Serves `files` at their paths and the streams of `hub` at /ws until it is destroyed.
 class WebServer {
  public:
-  static constexpr int kMaxPages = 12;  ///< each holds one thread of the server; the next one gets a 503
+  static constexpr int kMaxPages =
+      12;  ///< each holds one thread of the server; the next one gets a 503
 
   /// @throws std::runtime_error when the port is taken or not allowed; the text names it.
   WebServer(int port, Hub& hub, const std::vector<WebFile>& files);

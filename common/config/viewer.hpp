@@ -12,7 +12,8 @@ struct ViewerConfig {
 
   void visit(ConfigVisitor& v) {
     v.integer("port", port, 0, 65535, "", "Port of the page on 127.0.0.1; 0: any free one.");
-    v.number("rate_hz", rate_hz, 1.0, 30.0, "Hz", "How often a moving thing is sent to a page at most.");
+    v.number("rate_hz", rate_hz, 1.0, 30.0, "Hz",
+             "How often a moving thing is sent to a page at most.");
   }
 };
 

@@ -25,8 +25,8 @@ using nlohmann::json;
 class Page {
  public:
   Page(int port, const char* origin) {
-    connection_ = mg_connect_websocket_client("127.0.0.1", port, 0, error_, sizeof error_, "/ws", origin, hear,
-                                              nullptr, this);
+    connection_ = mg_connect_websocket_client("127.0.0.1", port, 0, error_, sizeof error_, "/ws",
+                                              origin, hear, nullptr, this);
   }
   ~Page() {
     if (connection_) mg_close_connection(connection_);
@@ -113,7 +113,8 @@ TEST_CASE("a page that opens late is told the whole state") {
   REQUIRE(page.connected());
   CHECK(!page.wait_for("hello").is_null());
   CHECK(page.wait_for("status")["state"] == "troubled");
-  const json last = page.wait([](const json& frame) { return frame["stream"] == "nodes" && frame["first"] == 256; });
+  const json last = page.wait(
+      [](const json& frame) { return frame["stream"] == "nodes" && frame["first"] == 256; });
   REQUIRE(last["poses"].size() == 3 * (300 - 256));
   CHECK(last["poses"][0] == 25.6);
 }
@@ -127,7 +128,8 @@ TEST_CASE("the graph of another session makes the page forget the old one") {
   REQUIRE(!page.wait_for("nodes").is_null());
   f.publish_node(0, 9'000'000, 7.0);
   f.settle();
-  const json fresh = page.wait([](const json& frame) { return frame["stream"] == "nodes" && frame["poses"][0] == 7.0; });
+  const json fresh = page.wait(
+      [](const json& frame) { return frame["stream"] == "nodes" && frame["poses"][0] == 7.0; });
   REQUIRE(!fresh.is_null());
   CHECK(fresh["poses"].size() == 3);
 }
@@ -142,9 +144,9 @@ TEST_CASE("a damaged list is counted as bad and not shown") {
   CHECK(f.bus.inputs().at(channel::kRooms).bad == 1);
   Page page(f.port(), nullptr);
   const json clock = page.wait_for("clock");
-  const bool told = std::any_of(clock["channels"].begin(), clock["channels"].end(), [](const json& c) {
-    return c["channel"] == channel::kRooms && c["bad"] == 1;
-  });
+  const bool told =
+      std::any_of(clock["channels"].begin(), clock["channels"].end(),
+                  [](const json& c) { return c["channel"] == channel::kRooms && c["bad"] == 1; });
   CHECK(told);
 }
 
@@ -152,7 +154,8 @@ TEST_CASE("a page of another origin is refused, the viewer's own is not") {
   Fixture f;
   CHECK_FALSE(Page(f.port(), "http://evil.example").connected());
   CHECK_FALSE(Page(f.port(), "null").connected());
-  CHECK(Page(f.port(), "http://127.0.0.1").connected());  // this client names its host without the port
+  CHECK(Page(f.port(), "http://127.0.0.1")
+            .connected());  // this client names its host without the port
 }
 
 TEST_CASE("two viewers on one port: the second says which port is taken") {

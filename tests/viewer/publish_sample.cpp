@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// publish_sample [--url URL] [--speed X]: plays a made-up run to the viewer and to lcm-spy. It is told what to do
-/// line by line on its input: "silence NAME", "speak NAME", "trouble NAME", "quit". It prints "ready" when it has begun.
+/// publish_sample [--url URL] [--speed X]: plays a made-up run to the viewer and to lcm-spy. It is
+/// told what to do line by line on its input: "silence NAME", "speak NAME", "trouble NAME", "quit".
+/// It prints "ready" when it has begun.
 #include <poll.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -46,7 +47,8 @@ class Player {
  public:
   explicit Player(const std::string& url) : transport_(url), bus_(transport_, "sample") {
     bus_.subscribe<sync_request_t>(channel::kSyncRequest, [this](const sync_request_t& m) {
-      for (std::size_t i = static_cast<std::size_t>(std::max<std::int64_t>(0, m.from_node)); i < nodes_.size(); ++i)
+      for (std::size_t i = static_cast<std::size_t>(std::max<std::int64_t>(0, m.from_node));
+           i < nodes_.size(); ++i)
         bus_.publish(channel::kNode, nodes_[i]);
       if (!nodes_.empty()) publish_graph(true);
       grid_.mark_all_changed();
@@ -63,15 +65,16 @@ class Player {
     const Scan scan = sweep(truth);
     bus_.publish(channel::kLaser, to_message(scan));
     if (steps_ % 50 == 1) bus_.publish(channel::kSensorInfo, to_message(sensor(), utime_));
-    const Pose2 estimate{truth.x + 0.06 * std::sin(0.05 * way_m_), truth.y + 0.05 * std::sin(0.08 * way_m_), truth.heading};
+    const Pose2 estimate{truth.x + 0.06 * std::sin(0.05 * way_m_),
+                         truth.y + 0.05 * std::sin(0.08 * way_m_), truth.heading};
     if (nodes_.empty() || way_m_ - last_node_m_ >= kNodeEvery_m) add_node(estimate, scan);
     publish_pose(estimate);
     if (steps_ % 10 == 0) publish_maps(truth);
   }
 
   void publish_statuses() {
-    for (const char* name : {"laser", "odometry", "scan_matcher", "graph_optimizer", "loop_detector", "map_builder",
-                             "semantic_classifier"}) {
+    for (const char* name : {"laser", "odometry", "scan_matcher", "graph_optimizer",
+                             "loop_detector", "map_builder", "semantic_classifier"}) {
       if (silent_.count(name)) continue;
       process_status_t m{};
       m.utime = utime_;
@@ -201,7 +204,9 @@ class Player {
     for (const auto& key : grid_.take_changed()) publish_tile(key);
     for (std::size_t i = 0; i < kRooms.size(); ++i) {
       const Room& r = kRooms[i];
-      if (truth.x > r.x0 + 0.5 && truth.x < r.x1 - 0.5 && truth.y > r.y0 + 0.5 && truth.y < r.y1 - 0.5) seen_rooms_.insert(i);
+      if (truth.x > r.x0 + 0.5 && truth.x < r.x1 - 0.5 && truth.y > r.y0 + 0.5 &&
+          truth.y < r.y1 - 0.5)
+        seen_rooms_.insert(i);
     }
     publish_walls();
     publish_rooms();
@@ -269,7 +274,8 @@ class Player {
       if (!seen_rooms_.count(static_cast<std::size_t>(from.room_a - 1))) continue;
       door_t d{};
       d.id = static_cast<std::int64_t>(i) + 1;
-      d.a[0] = from.opening.ax, d.a[1] = from.opening.ay, d.b[0] = from.opening.bx, d.b[1] = from.opening.by;
+      d.a[0] = from.opening.ax, d.a[1] = from.opening.ay, d.b[0] = from.opening.bx,
+      d.b[1] = from.opening.by;
       d.width_m = std::hypot(d.b[0] - d.a[0], d.b[1] - d.a[1]);
       d.evidence = 2.2;
       d.room_a = from.room_a;
@@ -306,7 +312,8 @@ class Player {
   Bus bus_;
   bool running_ = true;
   std::set<std::string> silent_, troubled_;
-  std::int64_t utime_ = 1'000'000'000, steps_ = 0, seq_ = 0, graph_seq_ = 0, loop_seq_ = 0, version_ = 0;
+  std::int64_t utime_ = 1'000'000'000, steps_ = 0, seq_ = 0, graph_seq_ = 0, loop_seq_ = 0,
+               version_ = 0;
   double way_m_ = 0, last_node_m_ = 0;
   std::vector<graph_node_t> nodes_;
   std::vector<graph_edge_t> edges_, new_edges_;
@@ -320,8 +327,10 @@ void obey_input(Player& player) {
   pollfd input{STDIN_FILENO, POLLIN, 0};
   char c = 0;
   while (::poll(&input, 1, 0) == 1 && read(STDIN_FILENO, &c, 1) == 1) {
-    if (c != '\n') line += c;
-    else player.obey(std::exchange(line, {}));
+    if (c != '\n')
+      line += c;
+    else
+      player.obey(std::exchange(line, {}));
   }
 }
 
@@ -333,7 +342,9 @@ int main(int argc, char** argv) {
   double speed = 1.0;
   CLI::App app("Plays a made-up run on the bus, for tests of the viewer and of spy.");
   app.add_option("--url", url, "LCM url")->capture_default_str();
-  app.add_option("--speed", speed, "simulated seconds a second")->capture_default_str()->check(CLI::Range(0.1, 50.0));
+  app.add_option("--speed", speed, "simulated seconds a second")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 50.0));
   CLI11_PARSE(app, argc, argv);
 
   using Clock = std::chrono::steady_clock;
@@ -343,7 +354,8 @@ int main(int argc, char** argv) {
   while (player.running()) {
     obey_input(player);
     if (Clock::now() >= next_step) {
-      next_step += std::chrono::microseconds(static_cast<int>(1e6 * modslam::sample::kStep_s / speed));
+      next_step +=
+          std::chrono::microseconds(static_cast<int>(1e6 * modslam::sample::kStep_s / speed));
       player.step();
     }
     if (Clock::now() >= next_status) {

@@ -90,7 +90,8 @@ room_list_t room_list(const std::string& name) {
 }
 
 TEST_CASE("whatever a room is called, its JSON can be read and gives the name back") {
-  for (const std::string& name : {std::string("Küche \"7\""), std::string("</script>\n\\u0000"), std::string("a\0b", 3)}) {
+  for (const std::string& name :
+       {std::string("Küche \"7\""), std::string("</script>\n\\u0000"), std::string("a\0b", 3)}) {
     const json read = json::parse(text_frame(rooms_json({room_list(name)}))->bytes);
     CHECK(read["items"][0]["name"] == name);
     CHECK(read["items"][0]["type"] == "corridor");
@@ -149,7 +150,8 @@ TEST_CASE("a list is whole when the last of its chunks is here, in whatever orde
   CHECK(list.incomplete() == 0);
 }
 
-TEST_CASE("a list whose chunk got lost is counted and replaced, also by one of a restarted sender") {
+TEST_CASE(
+    "a list whose chunk got lost is counted and replaced, also by one of a restarted sender") {
   ChunkedList<wall_list_t> list;
   CHECK(!list.add(chunk_of(7, 0, 2)));
   CHECK(!list.add(chunk_of(8, 1, 2)));
@@ -165,7 +167,8 @@ TEST_CASE("a list whose chunk got lost is counted and replaced, also by one of a
 TEST_CASE("the true path begins where the estimate does and keeps its own shape") {
   const Pose2 T_map_world = Pose2(40, -7, 0.7).inverse();
   Truth truth;
-  for (int i = 0; i < 20; ++i) truth.add({i * 10'000, T_map_world.inverse() * Pose2(0.1 * i, 0, 0), 0});
+  for (int i = 0; i < 20; ++i)
+    truth.add({i * 10'000, T_map_world.inverse() * Pose2(0.1 * i, 0, 0), 0});
   CHECK(truth.trail().empty());
   truth.add_estimate(900'000'000, Pose2(1, 1, 1));  // nothing true beside it
   CHECK(truth.trail().empty());
@@ -180,7 +183,7 @@ TEST_CASE("only the viewer's own page on this machine may listen") {
   CHECK(is_own_page("127.0.0.1:8080", "http://127.0.0.1:8080"));
   CHECK(is_own_page("localhost:9000", "http://localhost:9000"));  // a forwarded port
   CHECK(is_own_page("[::1]:9000", "http://[::1]:9000"));
-  CHECK(is_own_page("127.0.0.1", ""));                            // no browser
+  CHECK(is_own_page("127.0.0.1", ""));  // no browser
   CHECK_FALSE(is_own_page("127.0.0.1:8080", "http://evil.example"));
   CHECK_FALSE(is_own_page("127.0.0.1:8080", "http://127.0.0.1:3000"));
   CHECK_FALSE(is_own_page("127.0.0.1:8080", "https://127.0.0.1:8080"));

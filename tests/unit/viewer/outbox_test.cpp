@@ -19,7 +19,9 @@ std::string take(Outbox& outbox) {
   return taken ? (*taken)->bytes : "nothing";
 }
 
-TEST_CASE("an outbox hands out streams in the order in which they began to wait, each with its newest frame") {
+TEST_CASE(
+    "an outbox hands out streams in the order in which they began to wait, each with its newest "
+    "frame") {
   Outbox outbox;
   outbox.put("scan", frame("scan 1"));
   outbox.put("walls", frame("walls 1"));
@@ -66,7 +68,9 @@ TEST_CASE("closing an outbox wakes who waits for it, and what comes later is dro
   CHECK(outbox.size() == 0);
 }
 
-TEST_CASE("a page that joins late gets a hello and the newest of every stream; one that left gets nothing") {
+TEST_CASE(
+    "a page that joins late gets a hello and the newest of every stream; one that left gets "
+    "nothing") {
   Hub hub(frame("hello"));
   const auto early = hub.join();
   hub.publish("pose", frame("pose 1"));

@@ -1,0 +1,71 @@
+#!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
+# spy_test.sh BUILD_DIR [PICTURE.png]: lcm-spy starts on a screen of its own, knows every message type of lcmtypes/, and
+# opens a channel's fields on a double click. Exit 77: skipped, tools are missing.
+set -u
+here=$(cd "$(dirname "$0")" && pwd)
+root=$here/../..
+build=$1
+picture=${2:-}
+
+for tool in Xvfb xdotool import java; do
+  command -v $tool >/dev/null || { echo "skipped: $tool is missing (apt: xvfb xdotool imagemagick default-jre)"; exit 77; }
+done
+[ -f "$build/modslam-types.jar" ] || { echo "skipped: no modslam-types.jar was built (apt: default-jdk-headless liblcm-java)"; exit 77; }
+[ -f /usr/share/java/jchart2d.jar ] || { echo "skipped: apt install libjchart2d-java"; exit 77; }
+
+work=$(mktemp -d)
+pids=()
+finish() {
+  for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null; done
+  wait 2>/dev/null
+  rm -rf "$work"
+}
+trap finish EXIT
+fail() { echo "FAIL $1"; cat "$work/spy.log" 2>/dev/null; exit 1; }
+
+Xvfb -displayfd 3 -screen 0 1200x900x24 3>"$work/display" 2>/dev/null & pids+=($!)
+for _ in $(seq 50); do [ -s "$work/display" ] && break; sleep 0.1; done
+DISPLAY=:$(cat "$work/display")
+export DISPLAY
+export LCM_DEFAULT_URL="udpm://239.255.76.67:$((40000 + $$ % 20000))?ttl=0"
+
+mkfifo "$work/orders"
+"$build/bin/publish_sample" --url "$LCM_DEFAULT_URL" --speed 2 <"$work/orders" >/dev/null & pids+=($!)
+exec 4>"$work/orders"  # held open: the sample plays on
+"$root/procs/spy/spy.sh" "$build" >"$work/spy.log" 2>&1 & pids+=($!)
+
+window=
+for _ in $(seq 150); do
+  window=$(xdotool search --name "LCM Spy" 2>/dev/null | head -1)
+  [ -n "$window" ] && break
+  kill -0 "${pids[2]}" 2>/dev/null || fail "spy ended at once"
+  sleep 0.2
+done
+[ -n "$window" ] || fail "spy opened no window within 30 s"
+echo "ok   spy opens its window"
+
+types=$(ls "$root"/lcmtypes/*.lcm | wc -l)
+for _ in $(seq 50); do grep -q "Found .* LCM types" "$work/spy.log" && break; sleep 0.1; done
+found=$(sed -n 's/.*Found \([0-9]*\) LCM types.*/\1/p' "$work/spy.log")
+[ "$found" = "$types" ] || fail "spy found '$found' message types, lcmtypes/ has $types"
+echo "ok   spy knows all $types message types"
+
+xdotool windowmove "$window" 0 0 windowsize "$window" 1200 900 2>/dev/null
+sleep 4
+xdotool mousemove 100 63 click --repeat 2 --delay 60 1
+opened=
+for _ in $(seq 50); do
+  opened=$(xdotool search --onlyvisible --name "LASER" 2>/dev/null | head -1)
+  [ -n "$opened" ] && break
+  sleep 0.1
+done
+[ -n "$opened" ] || fail "a double click on channel LASER opened nothing"
+echo "ok   a double click opens a channel's fields"
+if [ -n "$picture" ]; then
+  xdotool windowmove "$opened" 40 320
+  sleep 1
+  import -window root "$picture"
+fi
+grep -iE "exception|unrecognized" "$work/spy.log" && fail "spy complained"
+exit 0
