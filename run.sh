@@ -80,7 +80,7 @@ simulate() { exec "$BIN/modslam-simulate" "$@"; }
 evaluate() { exec "$BIN/modslam-evaluate" "$@"; }
 report() { make_results "${1:?report: which folder?}"; }
 record() { attach; exec lcm-logger "${1:?record: which file?}"; }
-spy() { attach_or_default; exec procs/spy/spy.sh "$BUILD/modslam-types.jar" "$@"; }
+spy() { attach_or_default; exec procs/spy/spy.sh "$BUILD"; }
 view() { attach; page_url; }
 status() { attach; exec "$BIN/modslam-conduct" status; }
 stop() { stop_current; }

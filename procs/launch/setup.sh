@@ -3,9 +3,10 @@
 
 die() { echo "run.sh: $*" >&2; exit 1; }
 
+# $@: files that list packages.
 missing_packages() {
   local wanted have
-  wanted=$(grep -v '^#' config/debian-packages.txt)
+  wanted=$(grep -hv "^#" "$@")
   # shellcheck disable=SC2086
   have=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' $wanted 2>/dev/null | awk '$2 == "installed" {print $1}')
   comm -23 <(sort <<<"$wanted") <(sort <<<"$have")
@@ -13,7 +14,7 @@ missing_packages() {
 
 install_packages() {
   local missing as_root=()
-  missing=$(missing_packages)
+  missing=$(missing_packages "$@")
   [[ -n $missing ]] || return 0
   command -v apt-get >/dev/null || die "needs Debian packages: $(tr '\n' ' ' <<<"$missing")"
   if ((EUID != 0)); then
@@ -33,7 +34,7 @@ ensure_built() {
       -newer "$stamp" \( -type f -o -type d \) -not -name '*.pyc' -not -name '__pycache__' -print -quit) ]]; then
     return 0
   fi
-  install_packages
+  install_packages config/debian-packages.txt $([[ $1 == all ]] && echo config/debian-packages-test.txt)
   mkdir -p "$BUILD"
   (
     flock 9  # two first uses at once: the second waits

@@ -23,17 +23,22 @@ void limit_memory() {
 
 int main(int argc, char** argv) {
   modslam::report::ReportOptions options;
-  bool table = false;
+  bool table = false, world_of = false;
   CLI::App app("Makes the files of a run's folder from its LCM log.");
   app.add_option("DIR", options.folder, "folder of the run; the results are written there")
       ->required();
   app.add_option("--log", options.log, "the LCM log [DIR/run.lcm]");
   app.add_option("--world-truth", options.world_truth,
                  "GeoJSON of the simulated world, drawn under what was found");
+  app.add_flag("--world-of", world_of, "only print the name of the simulated world, if the log names one");
   app.add_flag("--table", table, "only print the table of a run that has its summary.json");
   CLI11_PARSE(app, argc, argv);
   limit_memory();
   try {
+    if (world_of) {
+      std::cout << modslam::report::world_of(options);
+      return 0;
+    }
     if (table) {
       std::cout << modslam::report::table_of(options.folder);
       return 0;

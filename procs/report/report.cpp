@@ -5,6 +5,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "common/bus/channels.hpp"
+#include "common/bus/log.hpp"
 #include "common/formats/atomic_file.hpp"
 #include "common/formats/map_server.hpp"
 #include "common/formats/tum_writer.hpp"
@@ -29,12 +31,28 @@ std::string troubles(const RunRecord& run, const Results& results) {
   return words;
 }
 
+std::string log_of(const ReportOptions& options) {
+  return options.log.empty() ? options.folder + "/run.lcm" : options.log;
+}
+
 }  // namespace
+
+std::string world_of(const ReportOptions& options) {
+  LogReader reader(log_of(options));
+  LogEvent event;
+  while (reader.next(event)) {
+    if (event.channel != channel::kSimInfo) continue;
+    sim_info_t info{};
+    const int size = static_cast<int>(event.bytes.size());
+    if (info.decode(event.bytes.data(), 0, size) == size) return info.world;
+  }
+  return "";
+}
 
 std::string write_report(const ReportOptions& options) {
   std::optional<WorldOutline> world;
   if (!options.world_truth.empty()) world = read_world_outline(options.world_truth);
-  const std::string log = options.log.empty() ? options.folder + "/run.lcm" : options.log;
+  const std::string log = log_of(options);
   const RunRecord run = read_run(log);
   const Results results = work_out(run);
   Json summary = summarise(run, results);

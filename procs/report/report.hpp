@@ -17,6 +17,10 @@ struct ReportOptions {
 /// @throws std::runtime_error when the log cannot be read at all or a file cannot be written.
 std::string write_report(const ReportOptions& options);
 
+/// File name of the simulated world that the log speaks of (SIM_INFO); "" when it speaks of none.
+/// @throws std::runtime_error when the log cannot be read at all.
+std::string world_of(const ReportOptions& options);
+
 /// The table for the terminal, from folder/summary.json. @throws std::runtime_error when it is
 /// missing or broken.
 std::string table_of(const std::string& folder);
