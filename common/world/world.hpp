@@ -33,10 +33,11 @@ struct Door {
   bool open = true;
 };
 
-/// A room or a corridor; the polygon is open (first point not repeated), 3 points or more.
+/// A room or a corridor; rings are open (first point not repeated), 3 points or more.
 struct Room {
   std::string id, category, name;
   std::vector<Eigen::Vector2d> polygon;
+  std::vector<std::vector<Eigen::Vector2d>> holes;  ///< the block a ring corridor runs round
 };
 
 /// Furniture, a car, a pillar: solid, its edges are what the laser sees.
