@@ -9,6 +9,10 @@
 #include "common/maps/map_builder.hpp"
 #include "common/matching/scan_matcher.hpp"
 #include "common/motion/odometry_model.hpp"
+#include "common/world/ins_noise.hpp"
+#include "common/world/laser_noise.hpp"
+#include "common/world/odometry_noise.hpp"
+#include "common/world/world_simulation.hpp"
 
 namespace modslam {
 
@@ -34,6 +38,10 @@ struct SystemConfig {
   EstimatorConfig graph_optimizer;
   LoopDetectorConfig loop_detector;
   MapBuilderConfig map_builder;
+  SimulatorConfig simulator;
+  LaserConfig laser;
+  OdometryConfig odometry;
+  InsConfig ins;
 
   /// Calls visit(table) for each struct, in the order of the file.
   template <class Visit>
@@ -44,6 +52,10 @@ struct SystemConfig {
     visit(graph_optimizer);
     visit(loop_detector);
     visit(map_builder);
+    visit(simulator);
+    visit(laser);
+    visit(odometry);
+    visit(ins);
   }
 };
 

@@ -27,7 +27,7 @@ struct OdometryConfig {
              "Where wheel odometry comes from; none: somebody else publishes ODOMETRY.");
     v.choice("noise", noise, {"none", "official", "raised"},
              "Simulated error: official is about 0.25 m after 85 m, raised about 7 m.");
-    v.number("rate_hz", rate_hz, 1, 100, "Hz", "Messages a second of simulated time.");
+    v.number("rate_hz", rate_hz, 1, 100, "Hz", "Messages a second of simulated time, in whole steps of 10 ms.");
   }
 };
 

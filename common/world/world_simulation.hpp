@@ -42,6 +42,7 @@ struct SimulationState {
 class WorldSimulation {
  public:
   static constexpr std::int64_t kStep_us = 10'000;
+  static constexpr double kSteps_per_s = 100;
   static constexpr std::int64_t kStart_utime = 1'000'000;  ///< never 0: that means "no time yet"
 
   /// @throws std::invalid_argument when the route starts on an obstacle.
