@@ -88,6 +88,7 @@ void Obstacles::add_edges(const std::vector<Eigen::Vector2d>& outline) {
     if (a == b) continue;
     b2EdgeShape edge;
     edge.SetTwoSided(to_b2(a), to_b2(b));
+    edge.m_radius = 0;  // no skin: contact is where the laser sees the edge
     body->CreateFixture(&edge, 0);
   }
 }
