@@ -44,7 +44,8 @@ void add_block(Words& hash, const unsigned char* block) {
   auto [a, b, c, d, e, f, g, h] = hash;
   for (int t = 0; t < 64; ++t) {
     const std::uint32_t choice = (e & f) ^ (~e & g), majority = (a & b) ^ (a & c) ^ (b & c);
-    const std::uint32_t t1 = h + (turn(e, 6) ^ turn(e, 11) ^ turn(e, 25)) + choice + kRound[t] + w[t];
+    const std::uint32_t t1 =
+        h + (turn(e, 6) ^ turn(e, 11) ^ turn(e, 25)) + choice + kRound[t] + w[t];
     const std::uint32_t t2 = (turn(a, 2) ^ turn(a, 13) ^ turn(a, 22)) + majority;
     h = g, g = f, f = e, e = d + t1, d = c, c = b, b = a, a = t1 + t2;
   }
@@ -62,7 +63,8 @@ std::string sha256(const std::string& bytes) {
     add_block(hash, reinterpret_cast<const unsigned char*>(blocks.data() + at));
   std::string text;
   for (const std::uint32_t word : hash)
-    for (int shift = 28; shift >= 0; shift -= 4) text.push_back("0123456789abcdef"[word >> shift & 15]);
+    for (int shift = 28; shift >= 0; shift -= 4)
+      text.push_back("0123456789abcdef"[word >> shift & 15]);
   return text;
 }
 

@@ -20,7 +20,8 @@ struct InsConfig {
              "Where the orientation comes from; none: no INS, or somebody else publishes it.");
     v.choice("noise", noise, {"none", "gyro", "usarsim"},
              "Simulated error: gyro drifts with time, usarsim errs in proportion to the turn.");
-    v.number("rate_hz", rate_hz, 1, 100, "Hz", "Messages a second of simulated time, in whole steps of 10 ms.");
+    v.number("rate_hz", rate_hz, 1, 100, "Hz",
+             "Messages a second of simulated time, in whole steps of 10 ms.");
   }
 };
 

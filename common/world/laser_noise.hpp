@@ -26,14 +26,19 @@ struct LaserConfig {
     v.choice("driver", driver, {"simulated", "none"},
              "Where sweeps come from; none: somebody else publishes LASER.");
     v.choice("model", model, {"sick", "urg", "hokuyo-270"},
-             "Scanner: 181 beams over 180 deg to 20 m; 228 over 240 deg to 4 m; 1081 over 270 deg to 30 m.");
+             "Scanner: 181 beams over 180 deg to 20 m; 228 over 240 deg to 4 m; 1081 over 270 deg "
+             "to 30 m.");
     v.choice("noise", noise, {"none", "gaussian", "usarsim"},
              "Error of a range: none, normal with the two sigmas below, or even within 0.1 %.");
     v.number("sigma_m", sigma_m, 0, 0.5, "m", "Gaussian noise, constant part.");
-    v.number("sigma_per_m", sigma_per_m, 0, 0.1, "m/m", "Gaussian noise, part that grows with the range.");
-    v.number("dropout", dropout, 0, 0.5, "", "Share of the beams whose return is lost: they read the largest range.");
-    v.number("rate_hz", rate_hz, 0.5, 50, "Hz", "Sweeps a second of simulated time, in whole steps of 10 ms.");
-    v.number("mount_x_m", mount_x_m, -2, 2, "m", "The scanner's place ahead of the robot's centre.");
+    v.number("sigma_per_m", sigma_per_m, 0, 0.1, "m/m",
+             "Gaussian noise, part that grows with the range.");
+    v.number("dropout", dropout, 0, 0.5, "",
+             "Share of the beams whose return is lost: they read the largest range.");
+    v.number("rate_hz", rate_hz, 0.5, 50, "Hz",
+             "Sweeps a second of simulated time, in whole steps of 10 ms.");
+    v.number("mount_x_m", mount_x_m, -2, 2, "m",
+             "The scanner's place ahead of the robot's centre.");
     v.number("mount_y_m", mount_y_m, -2, 2, "m", "Its place left of the centre.");
     v.number("mount_yaw_rad", mount_yaw_rad, -3.15, 3.15, "rad", "Its turn to the left.");
   }

@@ -103,8 +103,7 @@ void Obstacles::set_time(double time_s) {
   for (Walker& walker : walkers_) {
     if (walker.length_m <= 0) continue;
     const double way_m = std::fmod(walker.person.speed_mps * time_s, 2 * walker.length_m);
-    walker.place =
-        point_along(walker.person.points, std::min(way_m, 2 * walker.length_m - way_m));
+    walker.place = point_along(walker.person.points, std::min(way_m, 2 * walker.length_m - way_m));
   }
 }
 

@@ -11,7 +11,8 @@ OdometryNoise odometry_noise(const std::string& profile) {
   if (profile == "none") return {};
   if (profile == "official") return {0.005, 0.0014, 0.0028, 0.001, 0.001, 0.0};
   if (profile == "raised") return {0.05, 0.03, 0.06, 0.03, 0.05, 0.005};
-  throw std::invalid_argument("odometry noise '" + profile + "': expected none, official or raised");
+  throw std::invalid_argument("odometry noise '" + profile +
+                              "': expected none, official or raised");
 }
 
 NoisyOdometry::NoisyOdometry(const OdometryNoise& noise, std::uint64_t seed)

@@ -4,8 +4,8 @@
 /// For wheels that rolled ds [m] and turned the robot by dth [rad], the odometer counts
 ///     ds'  = ds  (1 + b_s) + k_d sqrt|ds| N
 ///     dth' = dth (1 + b_w) + c ds + k_dt sqrt|ds| N + k_tt sqrt|dth| N
-/// with N standard normal and b_s, b_w, c drawn once a run. Variances grow with the way, so the error
-/// does not depend on how finely the way is cut.
+/// with N standard normal and b_s, b_w, c drawn once a run. Variances grow with the way, so the
+/// error does not depend on how finely the way is cut.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -27,7 +27,8 @@ struct OdometryConfig {
              "Where wheel odometry comes from; none: somebody else publishes ODOMETRY.");
     v.choice("noise", noise, {"none", "official", "raised"},
              "Simulated error: official is about 0.25 m after 85 m, raised about 7 m.");
-    v.number("rate_hz", rate_hz, 1, 100, "Hz", "Messages a second of simulated time, in whole steps of 10 ms.");
+    v.number("rate_hz", rate_hz, 1, 100, "Hz",
+             "Messages a second of simulated time, in whole steps of 10 ms.");
   }
 };
 

@@ -11,10 +11,10 @@ namespace modslam {
 namespace {
 
 constexpr double kShortestLookAhead_m = 0.25;
-constexpr double kReversal_rad = 1.9;       // sharper corners than this are turned on the spot
-constexpr double kAligned_rad = 0.01;       // a turn on the spot is done
+constexpr double kReversal_rad = 1.9;  // sharper corners than this are turned on the spot
+constexpr double kAligned_rad = 0.01;  // a turn on the spot is done
 constexpr double kArrived_m = 0.01;
-constexpr double kCreep_mps = 0.03;         // slowest approach to the end of a leg
+constexpr double kCreep_mps = 0.03;  // slowest approach to the end of a leg
 constexpr double kTurnGain_per_s = 2.5;
 
 double direction_rad(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
@@ -27,7 +27,8 @@ RouteFollower::RouteFollower(const Route& route)
     : cruise_mps_(route.speed_mps),
       look_ahead_m_(std::max(kShortestLookAhead_m, route.corner_radius_m)) {
   const auto& points = route.points;
-  if (points.size() < 2) throw std::invalid_argument("route '" + route.id + "': fewer than 2 points");
+  if (points.size() < 2)
+    throw std::invalid_argument("route '" + route.id + "': fewer than 2 points");
   legs_.push_back({points[0]});
   for (std::size_t k = 1; k < points.size(); ++k) {
     legs_.back().push_back(points[k]);
@@ -102,7 +103,8 @@ void RouteFollower::advance_along_leg(const Eigen::Vector2d& place) {
   for (std::size_t k = 1; k < leg.size(); ++k) {
     const Eigen::Vector2d piece = leg[k] - leg[k - 1];
     const double piece_m = piece.norm();
-    const double low = std::max(from_m - piece_start_m, 0.0), high = std::min(to_m - piece_start_m, piece_m);
+    const double low = std::max(from_m - piece_start_m, 0.0),
+                 high = std::min(to_m - piece_start_m, piece_m);
     if (low <= high) {
       const double along_m = std::clamp((place - leg[k - 1]).dot(piece) / piece_m, low, high);
       const double off_m = (place - leg[k - 1] - along_m / piece_m * piece).norm();

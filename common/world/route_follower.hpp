@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Steers a differential drive along a route.
 ///
-/// A route is cut into legs where the robot has to turn on the spot: at every corner of a route with
-/// turn_in_place, else only where it all but reverses. A leg is entered by turning towards it and
-/// driven by pure pursuit: aim at the point `look-ahead` farther along the leg, on the arc of
+/// A route is cut into legs where the robot has to turn on the spot: at every corner of a route
+/// with turn_in_place, else only where it all but reverses. A leg is entered by turning towards it
+/// and driven by pure pursuit: aim at the point `look-ahead` farther along the leg, on the arc of
 /// curvature 2 sin(alpha) / distance (Coulter, CMU-RI-TR-92-01).
 #pragma once
 #include <Eigen/Core>

@@ -5,8 +5,8 @@
 
 namespace modslam {
 
-/// Motion along an arc of length `distance_m` [m] that turns by `turn_rad` [rad], in the frame where
-/// it starts. Exact for constant curvature.
+/// Motion along an arc of length `distance_m` [m] that turns by `turn_rad` [rad], in the frame
+/// where it starts. Exact for constant curvature.
 inline Pose2 arc_motion(double distance_m, double turn_rad) {
   const double half = turn_rad / 2;
   const double chord_share = std::abs(half) < 1e-4 ? 1.0 - half * half / 6 : std::sin(half) / half;

@@ -22,10 +22,13 @@ struct SimulatorConfig {
   void visit(ConfigVisitor& v) {
     v.text("world", world, "World file (GeoJSON).");
     v.text("route", route, "Id of the route that is driven.");
-    v.integer("seed", seed, 0, 1'000'000'000, "", "Start of every random stream: another seed, other noise.");
-    v.flag("people", people, "Everybody in the world walks; false: only those whom the file enables.");
+    v.integer("seed", seed, 0, 1'000'000'000, "",
+              "Start of every random stream: another seed, other noise.");
+    v.flag("people", people,
+           "Everybody in the world walks; false: only those whom the file enables.");
     v.number("speed", speed, 0.05, 50, "", "Simulated seconds per second of a live run.");
-    v.number("delay_s", delay_s, 0, 60, "s", "A live run starts that late, so that all processes listen.");
+    v.number("delay_s", delay_s, 0, 60, "s",
+             "A live run starts that late, so that all processes listen.");
   }
 };
 

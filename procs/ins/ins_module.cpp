@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// procs/ins — SIM_STATE (sim_state_t) → INS: orientation and rotation rate. Config: [ins], [simulator] seed.
+/// procs/ins — SIM_STATE (sim_state_t) → INS: orientation and rotation rate. Config: [ins],
+/// [simulator] seed.
 #include <optional>
 
 #include "common/bus/bus.hpp"
@@ -41,7 +42,8 @@ class InsModule : public Module {
     last_ = state;
     const std::int64_t utime = WorldSimulation::utime_of(state.step);
     bus_.saw_utime(utime);
-    bus_.publish(channel::kIns, to_message(TimedPose{utime, Pose2(0, 0, ins_.heading_rad()), ins_.yaw_rate()}));
+    bus_.publish(channel::kIns,
+                 to_message(TimedPose{utime, Pose2(0, 0, ins_.heading_rad()), ins_.yaw_rate()}));
   }
 
   Bus& bus_;

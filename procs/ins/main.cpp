@@ -2,4 +2,6 @@
 #include "common/bus/modules.hpp"
 #include "common/bus/process.hpp"
 
-int main(int argc, char** argv) { return modslam::run_process(argc, argv, "ins", modslam::make_ins); }
+int main(int argc, char** argv) {
+  return modslam::run_process(argc, argv, "ins", modslam::make_ins);
+}

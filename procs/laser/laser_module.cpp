@@ -24,7 +24,8 @@ class LaserModule : public Module {
         sweep_period_(config_.rate_hz, WorldSimulation::kSteps_per_s),
         info_period_(kInfoRate_hz, WorldSimulation::kSteps_per_s) {
     if (config_.driver != "simulated") return;
-    obstacles_ = std::make_unique<Obstacles>(load_world(config.simulator.world), config.simulator.people);
+    obstacles_ =
+        std::make_unique<Obstacles>(load_world(config.simulator.world), config.simulator.people);
     bus.subscribe<sim_state_t>(channel::kSimState,
                                [this](const sim_state_t& m) { on_state(to_simulation_state(m)); });
   }
@@ -38,7 +39,8 @@ class LaserModule : public Module {
   void on_state(const SimulationState& state) {
     const std::int64_t utime = WorldSimulation::utime_of(state.step);
     bus_.saw_utime(utime);
-    if (info_period_.due(state.step)) bus_.publish(channel::kSensorInfo, to_message(sensor_, utime));
+    if (info_period_.due(state.step))
+      bus_.publish(channel::kSensorInfo, to_message(sensor_, utime));
     if (sweep_period_.due(state.step)) bus_.publish(channel::kLaser, to_message(sweep(state)));
   }
 

@@ -2,4 +2,6 @@
 #include "common/bus/modules.hpp"
 #include "common/bus/process.hpp"
 
-int main(int argc, char** argv) { return modslam::run_process(argc, argv, "odometry", modslam::make_odometry); }
+int main(int argc, char** argv) {
+  return modslam::run_process(argc, argv, "odometry", modslam::make_odometry);
+}

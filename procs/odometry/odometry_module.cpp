@@ -28,7 +28,8 @@ class OdometryModule : public Module {
 
   std::string words() const override {
     if (config_.driver != "simulated") return "driver none";
-    return "simulated wheels, noise " + config_.noise + ", " + std::to_string(lost_) + " states missed";
+    return "simulated wheels, noise " + config_.noise + ", " + std::to_string(lost_) +
+           " states missed";
   }
 
  private:
@@ -57,7 +58,8 @@ class OdometryModule : public Module {
     const double yaw_rate = dt_s > 0 ? odometry_.counted_turn_rad() / dt_s : 0;
     const std::int64_t utime = WorldSimulation::utime_of(state.step);
     bus_.saw_utime(utime);
-    bus_.publish(channel::kOdometry, to_message(TimedPose{utime, odometry_.T_odom_base(), yaw_rate}));
+    bus_.publish(channel::kOdometry,
+                 to_message(TimedPose{utime, odometry_.T_odom_base(), yaw_rate}));
   }
 
   Bus& bus_;

@@ -19,10 +19,12 @@ int main(int argc, char** argv) {
       ->expected(1);
   CLI11_PARSE(app, argc, argv);
   try {
-    const modslam::SimulatedRun run = modslam::simulate(modslam::load_config(config, overrides), out);
+    const modslam::SimulatedRun run =
+        modslam::simulate(modslam::load_config(config, overrides), out);
     std::cout << out << ": " << std::fixed << std::setprecision(1) << run.path_m << " m in "
               << run.duration_s << " s, " << run.scans << " scans, largest odometry error "
-              << std::setprecision(2) << run.odometry_max_error_m << " m\n  " << run.words << std::endl;
+              << std::setprecision(2) << run.odometry_max_error_m << " m\n  " << run.words
+              << std::endl;
     return run.arrived ? 0 : 2;
   } catch (const std::exception& error) {
     std::cerr << "modslam-simulate: " << error.what() << std::endl;

@@ -20,12 +20,12 @@ namespace {
 class Summary {
  public:
   explicit Summary(Bus& bus) {
-    bus.subscribe<bot_core::planar_lidar_t>(channel::kLaser,
-                                            [this](const bot_core::planar_lidar_t&) { ++run.scans; });
-    bus.subscribe<bot_core::pose_t>(channel::kGroundTruth,
-                                    [this](const bot_core::pose_t& m) { add_truth(to_timed_pose(m)); });
-    bus.subscribe<bot_core::pose_t>(channel::kOdometry,
-                                    [this](const bot_core::pose_t& m) { add_odometry(to_timed_pose(m)); });
+    bus.subscribe<bot_core::planar_lidar_t>(
+        channel::kLaser, [this](const bot_core::planar_lidar_t&) { ++run.scans; });
+    bus.subscribe<bot_core::pose_t>(
+        channel::kGroundTruth, [this](const bot_core::pose_t& m) { add_truth(to_timed_pose(m)); });
+    bus.subscribe<bot_core::pose_t>(
+        channel::kOdometry, [this](const bot_core::pose_t& m) { add_odometry(to_timed_pose(m)); });
   }
   SimulatedRun run;
 
@@ -49,7 +49,8 @@ class Summary {
 
 /// A module with its own view of the bus.
 struct Hosted {
-  Hosted(Transport& transport, const std::string& name, ModuleFactory make, const SystemConfig& config)
+  Hosted(Transport& transport, const std::string& name, ModuleFactory make,
+         const SystemConfig& config)
       : bus(transport, name), module(make(bus, config)) {}
   Bus bus;
   std::unique_ptr<Module> module;

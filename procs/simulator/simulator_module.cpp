@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// procs/simulator — nothing → SIM_INFO, SIM_STATE, GROUND_TRUTH: drives a route through a world. Config: [simulator].
+/// procs/simulator — nothing → SIM_INFO, SIM_STATE, GROUND_TRUTH: drives a route through a world.
+/// Config: [simulator].
 #include <algorithm>
 #include <filesystem>
 #include <modslam/sim_info_t.hpp>
@@ -42,9 +43,11 @@ class SimulatorModule : public Module {
   }
 
   void tick(std::int64_t steady_us) override {
-    if (next_step_us_ == 0) next_step_us_ = steady_us + static_cast<std::int64_t>(1e6 * config_.delay_s);
+    if (next_step_us_ == 0)
+      next_step_us_ = steady_us + static_cast<std::int64_t>(1e6 * config_.delay_s);
     const auto step_us = static_cast<std::int64_t>(WorldSimulation::kStep_us / config_.speed);
-    for (std::int64_t k = 0; k < kMaxStepsPerTick && next_step_us_ <= steady_us; ++k, next_step_us_ += step_us)
+    for (std::int64_t k = 0; k < kMaxStepsPerTick && next_step_us_ <= steady_us;
+         ++k, next_step_us_ += step_us)
       if (!step()) return repeat_end(steady_us);
     next_step_us_ = std::max(next_step_us_, steady_us - kMaxStepsPerTick * step_us);
   }
@@ -52,7 +55,8 @@ class SimulatorModule : public Module {
   bool troubled() const override { return simulation_.stuck(); }
 
   std::string words() const override {
-    std::string text = std::filesystem::path(config_.world).filename().string() + ", route " + config_.route + ": ";
+    std::string text = std::filesystem::path(config_.world).filename().string() + ", route " +
+                       config_.route + ": ";
     text += std::to_string(simulation_.path_m()).substr(0, 5) + " m driven, " +
             std::to_string(simulation_.touching_steps()) + " steps in contact";
     if (simulation_.stuck()) return text + ", stuck at an obstacle";
@@ -77,7 +81,8 @@ class SimulatorModule : public Module {
     bus_.saw_utime(simulation_.utime());
     bus_.publish(channel::kSimState, to_message(state));
     if (!truth_period_.due(state.step)) return;
-    bot_core::pose_t truth = to_message(TimedPose{simulation_.utime(), state.T_world_base, state.yaw_rate});
+    bot_core::pose_t truth =
+        to_message(TimedPose{simulation_.utime(), state.T_world_base, state.yaw_rate});
     truth.vel[0] = state.speed_mps * std::cos(state.T_world_base.heading);
     truth.vel[1] = state.speed_mps * std::sin(state.T_world_base.heading);
     bus_.publish(channel::kGroundTruth, truth);

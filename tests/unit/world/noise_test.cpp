@@ -32,7 +32,8 @@ double median_error_m(const std::string& profile, int pieces_per_m, std::uint64_
   std::vector<double> errors_m;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed)
     errors_m.push_back(largest_error_m(profile, seed, pieces_per_m));
-  std::nth_element(errors_m.begin(), errors_m.begin() + static_cast<long>(seeds / 2), errors_m.end());
+  std::nth_element(errors_m.begin(), errors_m.begin() + static_cast<long>(seeds / 2),
+                   errors_m.end());
   return errors_m[seeds / 2];
 }
 
@@ -62,12 +63,14 @@ TEST_CASE("normal draws have mean 0 and variance 1") {
 
 TEST_CASE("odometry without noise counts the arc that was driven") {
   NoisyOdometry odometry(odometry_noise("none"), 1);
-  for (int k = 0; k < 100; ++k) odometry.advance(0.01 * kPi, 0.01 * kPi);  // half a circle of radius 1
+  for (int k = 0; k < 100; ++k)
+    odometry.advance(0.01 * kPi, 0.01 * kPi);  // half a circle of radius 1
   CHECK_THAT(odometry.T_odom_base(), IsNear(Pose2(0, 2, kPi), 1e-9, 1e-9));
 }
 
 TEST_CASE("odometry errs no more when its way is cut finer") {
-  const double coarse_m = median_error_m("raised", 5, 400), fine_m = median_error_m("raised", 50, 400);
+  const double coarse_m = median_error_m("raised", 5, 400),
+               fine_m = median_error_m("raised", 50, 400);
   CHECK(fine_m == Approx(coarse_m).epsilon(0.2));
 }
 

@@ -13,13 +13,18 @@ namespace {
 using Eigen::Vector2d;
 
 /// Ray against segment, the slow and plain way.
-double cast_at_segment(const Vector2d& origin, double bearing_rad, const Vector2d& a, const Vector2d& b) {
-  const Vector2d direction(std::cos(bearing_rad), std::sin(bearing_rad)), along = b - a, to_a = a - origin;
-  const auto cross = [](const Vector2d& p, const Vector2d& q) { return p.x() * q.y() - p.y() * q.x(); };
+double cast_at_segment(const Vector2d& origin, double bearing_rad, const Vector2d& a,
+                       const Vector2d& b) {
+  const Vector2d direction(std::cos(bearing_rad), std::sin(bearing_rad)), along = b - a,
+                                                                          to_a = a - origin;
+  const auto cross = [](const Vector2d& p, const Vector2d& q) {
+    return p.x() * q.y() - p.y() * q.x();
+  };
   const double area = cross(direction, along);
   if (area == 0) return std::numeric_limits<double>::infinity();
   const double range_m = cross(to_a, along) / area, share = cross(to_a, direction) / area;
-  return range_m >= 0 && share >= 0 && share <= 1 ? range_m : std::numeric_limits<double>::infinity();
+  return range_m >= 0 && share >= 0 && share <= 1 ? range_m
+                                                  : std::numeric_limits<double>::infinity();
 }
 
 TEST_CASE("a ray ends at the wall's face, not at its middle line") {
@@ -71,8 +76,9 @@ TEST_CASE("rays agree with brute force on random segments") {
       double beside_m = 20;
       for (const Object& object : world.objects)
         for (std::size_t k = 0; k < 3; ++k)
-          beside_m = std::min(beside_m, cast_at_segment(origin, bearing_rad + off, object.polygon[k],
-                                                        object.polygon[(k + 1) % 3]));
+          beside_m =
+              std::min(beside_m, cast_at_segment(origin, bearing_rad + off, object.polygon[k],
+                                                 object.polygon[(k + 1) % 3]));
       aside_m = std::min(aside_m, -std::abs(beside_m - expected_m));
     }
     if (aside_m < -0.05) continue;
