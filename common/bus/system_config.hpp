@@ -10,6 +10,10 @@
 #include "common/maps/map_builder.hpp"
 #include "common/matching/scan_matcher.hpp"
 #include "common/motion/odometry_model.hpp"
+#include "common/world/ins_noise.hpp"
+#include "common/world/laser_noise.hpp"
+#include "common/world/odometry_noise.hpp"
+#include "common/world/world_simulation.hpp"
 
 namespace modslam {
 
@@ -36,6 +40,10 @@ struct SystemConfig {
   LoopDetectorConfig loop_detector;
   MapBuilderConfig map_builder;
   ViewerConfig viewer;
+  SimulatorConfig simulator;
+  LaserConfig laser;
+  OdometryConfig odometry;
+  InsConfig ins;
 
   /// Calls visit(table) for each struct, in the order of the file.
   template <class Visit>
@@ -47,6 +55,10 @@ struct SystemConfig {
     visit(loop_detector);
     visit(map_builder);
     visit(viewer);
+    visit(simulator);
+    visit(laser);
+    visit(odometry);
+    visit(ins);
   }
 };
 
