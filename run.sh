@@ -36,7 +36,7 @@ TXT
 }
 
 demo() {
-  parse_run_options demo "$@"
+  parse_run_options demo --set simulator.speed=8 "$@"
   start_run "$(simulated_sources)"
   echo "The robot drives. Page: $(page_url)   Stop: Ctrl-C"
   wait_for_simulation
