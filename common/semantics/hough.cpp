@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/semantics/hough.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace modslam {
+namespace {
+
+struct Line {
+  Eigen::Vector2d centre, direction;
+  double sigma_m;
+};
+
+Line fit(const std::vector<ScanPoint>& points, const std::vector<int>& members) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const int k : members) mean += points[static_cast<std::size_t>(k)].p;
+  mean /= static_cast<double>(members.size());
+  double xx = 0, xy = 0, yy = 0;
+  for (const int k : members) {
+    const Eigen::Vector2d d = points[static_cast<std::size_t>(k)].p - mean;
+    xx += d.x() * d.x();
+    xy += d.x() * d.y();
+    yy += d.y() * d.y();
+  }
+  const double angle_rad = 0.5 * std::atan2(2 * xy, xx - yy);
+  const double across2 = std::max(0.0, 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy));
+  return {mean, {std::cos(angle_rad), std::sin(angle_rad)}, std::sqrt(across2 / static_cast<double>(members.size()))};
+}
+
+/// Votes of the points still free: buckets over (angle, distance to the first point).
+class Accumulator {
+ public:
+  Accumulator(const std::vector<ScanPoint>& points, const HoughOptions& options) : options_(options) {
+    double reach = 0;
+    origin_ = points.front().p;
+    for (const ScanPoint& point : points) reach = std::max(reach, (point.p - origin_).norm());
+    angles_ = static_cast<int>(std::lround(kPi / options.cell_rad));
+    half_ = static_cast<int>(reach / options.cell_m) + 2;
+    votes_.assign(static_cast<std::size_t>(angles_) * static_cast<std::size_t>(2 * half_ + 1), 0);
+    for (int k = 0; k < angles_; ++k) {
+      const double angle = k * kPi / angles_;
+      normals_.push_back({std::cos(angle), std::sin(angle)});
+    }
+  }
+  void vote(const Eigen::Vector2d& p, int weight) {
+    for (int k = 0; k < angles_; ++k) votes_[index(k, p)] += weight;
+  }
+  /// Fullest bucket. @return its votes.
+  int fullest(Eigen::Vector2d& normal, double& distance) const {
+    const auto best = std::max_element(votes_.begin(), votes_.end());
+    const auto at = static_cast<int>(best - votes_.begin());
+    normal = normals_[static_cast<std::size_t>(at / (2 * half_ + 1))];
+    distance = (at % (2 * half_ + 1) - half_ + 0.5) * options_.cell_m + normal.dot(origin_);
+    return *best;
+  }
+
+ private:
+  std::size_t index(int k, const Eigen::Vector2d& p) const {
+    const double r = normals_[static_cast<std::size_t>(k)].dot(p - origin_) / options_.cell_m;
+    return static_cast<std::size_t>(k * (2 * half_ + 1) + static_cast<int>(std::floor(r)) + half_);
+  }
+  HoughOptions options_;
+  Eigen::Vector2d origin_;
+  int angles_ = 0, half_ = 0;
+  std::vector<Eigen::Vector2d> normals_;
+  std::vector<int> votes_;
+};
+
+/// Runs of members without a gap, in order along the line.
+std::vector<std::vector<int>> split_at_gaps(const std::vector<ScanPoint>& points, std::vector<int> members, const Line& line,
+                                            double radstep, const HoughOptions& options) {
+  const auto along = [&](int k) { return line.direction.dot(points[static_cast<std::size_t>(k)].p - line.centre); };
+  std::sort(members.begin(), members.end(), [&](int a, int b) { return along(a) < along(b); });
+  std::vector<std::vector<int>> runs;
+  for (const int k : members) {
+    bool starts = runs.empty();
+    if (!starts) {
+      const ScanPoint &last = points[static_cast<std::size_t>(runs.back().back())], &point = points[static_cast<std::size_t>(k)];
+      // Far beams that graze a wall lie far apart on it; neighbouring beams are connected all the same.
+      const bool neighbours = std::abs(last.beam - point.beam) <= 2;
+      const double reach = std::max(options.gap_m, neighbours ? 12 * radstep * point.range_m : 0.0);
+      starts = along(k) - along(runs.back().back()) > reach;
+    }
+    if (starts) runs.emplace_back();
+    runs.back().push_back(k);
+  }
+  return runs;
+}
+
+}  // namespace
+
+LineExtraction extract_lines(const std::vector<ScanPoint>& points, const Eigen::Vector2d& eye, double radstep,
+                             const HoughOptions& options) {
+  LineExtraction out;
+  out.on_segment.assign(points.size(), false);
+  if (static_cast<int>(points.size()) < options.min_points) return out;
+  Accumulator votes(points, options);
+  for (const ScanPoint& point : points) votes.vote(point.p, 1);
+  std::vector<bool> used(points.size(), false);
+
+  const auto members_of = [&](const Eigen::Vector2d& normal, double distance, double thickness_m) {
+    std::vector<int> members;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      if (!used[k] && std::abs(normal.dot(points[k].p) - distance) < thickness_m) members.push_back(static_cast<int>(k));
+    return members;
+  };
+  for (int round = 0; round < 60; ++round) {
+    Eigen::Vector2d normal;
+    double distance = 0;
+    if (votes.fullest(normal, distance) < options.min_points) break;
+    std::vector<int> members = members_of(normal, distance, options.thickness_m + 0.5 * options.cell_m);
+    std::vector<int> taken = members;
+    // The longest run is fitted on its own: other pieces of the bucket only cross the line somewhere.
+    auto runs = split_at_gaps(points, members, {points[static_cast<std::size_t>(members[0])].p, {-normal.y(), normal.x()}, 0}, radstep, options);
+    std::stable_sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    if (static_cast<int>(runs[0].size()) >= options.min_points) {
+      for (int refits = 0; refits < 2; ++refits) {
+        const Line line = fit(points, runs[0]);
+        const Eigen::Vector2d n(-line.direction.y(), line.direction.x());
+        members = members_of(n, n.dot(line.centre), options.thickness_m);
+        if (members.empty()) break;
+        auto again = split_at_gaps(points, members, line, radstep, options);
+        std::stable_sort(again.begin(), again.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+        runs[0] = again[0];
+      }
+      const Line line = fit(points, runs[0]);
+      Segment segment;
+      const auto along = [&](int k) { return line.direction.dot(points[static_cast<std::size_t>(k)].p - line.centre); };
+      segment.a = line.centre + along(runs[0].front()) * line.direction;
+      segment.b = line.centre + along(runs[0].back()) * line.direction;
+      segment.points = static_cast<int>(runs[0].size());
+      segment.sigma_m = line.sigma_m;
+      const Eigen::Vector2d d = segment.b - segment.a, to_eye = eye - segment.a;
+      if (d.x() * to_eye.y() - d.y() * to_eye.x() < 0) std::swap(segment.a, segment.b);
+      if (segment.points >= options.min_points && segment.length_m() >= options.min_length_m) {
+        out.segments.push_back(segment);
+        for (const int k : runs[0]) out.on_segment[static_cast<std::size_t>(k)] = true;
+        taken = runs[0];
+      }
+    }
+    for (const int k : taken)
+      if (!used[static_cast<std::size_t>(k)]) {
+        used[static_cast<std::size_t>(k)] = true;
+        votes.vote(points[static_cast<std::size_t>(k)].p, -1);
+      }
+  }
+  return out;
+}
+
+}  // namespace modslam

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/semantics/known_space.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+namespace modslam {
+namespace {
+
+using Ring = std::vector<Eigen::Vector2d>;
+
+/// Contours run through cell centres; a region reaches half a cell farther: contours are taken on a grid twice as fine.
+Ring to_ring(const std::vector<cv::Point>& contour, const KnownSpace& space, double tolerance_m) {
+  std::vector<cv::Point> simple;
+  cv::approxPolyDP(contour, simple, 2 * tolerance_m / space.resolution_m, true);
+  Ring ring;
+  for (const cv::Point& c : simple)
+    ring.push_back(space.origin_m + 0.5 * space.resolution_m * Eigen::Vector2d(c.x + 0.5, c.y + 0.5));
+  return ring;
+}
+
+/// Splices `hole` into `outline` where the two come nearest.
+void splice(Ring& outline, const Ring& hole) {
+  std::size_t at = 0, from = 0;
+  double best = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < outline.size(); ++i)
+    for (std::size_t j = 0; j < hole.size(); ++j)
+      if (const double d = (outline[i] - hole[j]).squaredNorm(); d < best) best = d, at = i, from = j;
+  Ring cut;
+  for (std::size_t j = 0; j <= hole.size(); ++j) cut.push_back(hole[(from + j) % hole.size()]);
+  cut.push_back(outline[at]);
+  outline.insert(outline.begin() + static_cast<std::ptrdiff_t>(at) + 1, cut.begin(), cut.end());
+}
+
+}  // namespace
+
+KnownSpace::KnownSpace(const OccupancyMap& map) : resolution_m(map.resolution_m()) {
+  const auto tiles = map.tiles();
+  if (tiles.empty()) return;
+  constexpr int kCells = OccupancyMap::kTileCells;
+  int x0 = tiles[0].first, x1 = x0, y0 = tiles[0].second, y1 = y0;
+  for (const auto& [x, y] : tiles) x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
+  origin_m = resolution_m * kCells * Eigen::Vector2d(x0, y0);
+  occupancy = cv::Mat1b((y1 - y0 + 1) * kCells, (x1 - x0 + 1) * kCells, std::uint8_t{0});
+  for (const auto& index : tiles) {
+    const auto cells = map.render(index);
+    const cv::Mat1b tile(kCells, kCells, const_cast<std::uint8_t*>(cells.data()));
+    tile.copyTo(occupancy(cv::Rect((index.first - x0) * kCells, (index.second - y0) * kCells, kCells, kCells)));
+  }
+}
+
+std::vector<Eigen::Vector2d> outline_of(const cv::Mat1b& mask, const KnownSpace& space, double min_hole_m2,
+                                        double tolerance_m) {
+  cv::Mat1b fine;
+  cv::resize(mask, fine, cv::Size(), 2, 2, cv::INTER_NEAREST);
+  std::vector<std::vector<cv::Point>> contours;
+  std::vector<cv::Vec4i> tree;
+  cv::findContours(fine, contours, tree, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
+  int outer = -1;
+  for (int k = 0; k < static_cast<int>(contours.size()); ++k)
+    if (tree[static_cast<std::size_t>(k)][3] < 0 &&
+        (outer < 0 || contours[static_cast<std::size_t>(k)].size() > contours[static_cast<std::size_t>(outer)].size()))
+      outer = k;
+  if (outer < 0) return {};
+  Ring ring = to_ring(contours[static_cast<std::size_t>(outer)], space, tolerance_m);
+  const double cell_m2 = space.resolution_m * space.resolution_m / 4;
+  for (int k = tree[static_cast<std::size_t>(outer)][2]; k >= 0; k = tree[static_cast<std::size_t>(k)][0]) {
+    const auto& hole = contours[static_cast<std::size_t>(k)];
+    if (cv::contourArea(hole) * cell_m2 < min_hole_m2) continue;
+    const Ring inner = to_ring(hole, space, tolerance_m);
+    if (inner.size() >= 3) splice(ring, inner);
+  }
+  if (ring.size() < 3) return {};
+  double twice_area = 0;
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    const Eigen::Vector2d &p = ring[k], &q = ring[(k + 1) % ring.size()];
+    twice_area += p.x() * q.y() - p.y() * q.x();
+  }
+  if (twice_area < 0) std::reverse(ring.begin(), ring.end());
+  return ring;
+}
+
+double polygon_area_m2(const std::vector<Eigen::Vector2d>& outline) {
+  double twice = 0;
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const Eigen::Vector2d &p = outline[k], &q = outline[(k + 1) % outline.size()];
+    twice += p.x() * q.y() - p.y() * q.x();
+  }
+  return 0.5 * std::abs(twice);
+}
+
+}  // namespace modslam

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file What is known of the floor, as one raster for the room and object finders.
+#pragma once
+#include <opencv2/core.hpp>
+
+#include "common/maps/occupancy_map.hpp"
+
+namespace modslam {
+
+struct KnownSpace {
+  double resolution_m = 0.1;
+  Eigen::Vector2d origin_m{0, 0};  ///< lower left corner of cell (column 0, row 0); row 0 lowest y
+  cv::Mat1b occupancy;             ///< 0 unknown, else 1 + 254 * probability
+
+  explicit KnownSpace(const OccupancyMap& map);
+
+  bool empty() const { return occupancy.empty(); }
+  cv::Point cell(const Eigen::Vector2d& p) const {
+    return {static_cast<int>(std::floor((p.x() - origin_m.x()) / resolution_m)),
+            static_cast<int>(std::floor((p.y() - origin_m.y()) / resolution_m))};
+  }
+  bool inside(const cv::Point& c) const { return c.x >= 0 && c.y >= 0 && c.x < occupancy.cols && c.y < occupancy.rows; }
+  bool is_free(const cv::Point& c) const { return inside(c) && occupancy(c) > 0 && occupancy(c) < 128; }
+  bool is_occupied(const cv::Point& c) const { return inside(c) && occupancy(c) >= 128; }
+  /// Centre of a cell [m].
+  Eigen::Vector2d centre(const cv::Point& c) const {
+    return origin_m + resolution_m * Eigen::Vector2d(c.x + 0.5, c.y + 0.5);
+  }
+};
+
+/// Outer ring of a mask's region as a polygon; holes of at least `min_hole_m2` are joined to it by a cut of no width.
+/// Corners that stand out less than `tolerance_m` are left out.
+std::vector<Eigen::Vector2d> outline_of(const cv::Mat1b& mask, const KnownSpace& space, double min_hole_m2, double tolerance_m);
+
+double polygon_area_m2(const std::vector<Eigen::Vector2d>& outline);
+
+}  // namespace modslam

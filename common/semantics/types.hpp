@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file What the semantic map is made of. Map frame, metres.
+#pragma once
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace modslam {
+
+/// One face of a straight wall, as a laser sees it; the other face of the same wall is another one.
+struct Wall {
+  std::int64_t id = 0;
+  Eigen::Vector2d a, b;      ///< ends; the free side lies to the left of a -> b
+  double evidence = 0;       ///< mean log-odds of wall against object along it
+  double sigma_m = 0;        ///< scatter of its points across it
+  double length_m() const { return (b - a).norm(); }
+  Eigen::Vector2d direction() const { return (b - a).normalized(); }
+  Eigen::Vector2d normal() const { const Eigen::Vector2d u = direction(); return {-u.y(), u.x()}; }  ///< towards the free side
+};
+
+struct Door {
+  std::int64_t id = 0;
+  Eigen::Vector2d a, b;      ///< jambs
+  double evidence = 0;       ///< log-odds
+  std::int64_t room_a = 0, room_b = 0;  ///< 0: none known
+  double width_m() const { return (b - a).norm(); }
+  Eigen::Vector2d centre() const { return 0.5 * (a + b); }
+};
+
+/// A region enclosed by walls and doors. A hole (a block in a ring corridor) is part of the outline: a cut of no width leads to it.
+struct Room {
+  std::int64_t id = 0;
+  std::string name;
+  bool corridor = false;
+  double area_m2 = 0, explored = 0;  ///< explored: share of the area that was seen
+  double evidence = 0;               ///< share of the outline that lies on walls and doors
+  std::vector<Eigen::Vector2d> outline;
+};
+
+struct Object {
+  std::int64_t id = 0;
+  std::string class_name;    ///< "": unknown
+  double area_m2 = 0, evidence = 0;
+  std::vector<Eigen::Vector2d> outline;
+};
+
+struct SemanticLayers {
+  std::vector<Wall> walls;
+  std::vector<Door> doors;
+  std::vector<Room> rooms;
+  std::vector<Object> objects;
+};
+
+}  // namespace modslam
