@@ -24,6 +24,9 @@ class Module {
   /// For sources in a batch run: produce the next piece. @return false when there is no more.
   virtual bool step() { return false; }
 
+  /// True when a source has nothing more to give (a simulated route has been driven).
+  virtual bool ended() const { return false; }
+
   /// True when the module cannot do its work; then words() says why.
   virtual bool troubled() const { return false; }
 

@@ -87,7 +87,7 @@ class Host {
  private:
   int state() const {
     if (module_->troubled()) return process_status_t::TROUBLED;
-    return finished_ ? process_status_t::FINISHED : process_status_t::RUNNING;
+    return finished_ || module_->ended() ? process_status_t::FINISHED : process_status_t::RUNNING;
   }
 
   void on_command(const command_t& command) {

@@ -52,6 +52,8 @@ class SimulatorModule : public Module {
     next_step_us_ = std::max(next_step_us_, steady_us - kMaxStepsPerTick * step_us);
   }
 
+  bool ended() const override { return simulation_.state().finished; }
+
   bool troubled() const override { return simulation_.stuck(); }
 
   std::string words() const override {

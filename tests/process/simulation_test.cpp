@@ -181,6 +181,24 @@ TEST_CASE("a live run keeps the pace it was told, after its delay") {
   CHECK(live.messages["SIM_STATE"].size() == Approx(400).margin(2));
 }
 
+TEST_CASE(
+    "the simulator says that its route has ended, and repeats the last state for who missed it") {
+  SystemConfig config = apartment();
+  config.simulator.delay_s = 0;
+  Stage live(config);
+  CHECK_FALSE(live.simulator().ended());
+  while (live.simulator().step()) live.drain();
+  CHECK(live.simulator().ended());
+  CHECK_FALSE(live.simulator().troubled());
+  Messages before = live.messages;
+  for (std::int64_t us = 1'000'000; us < 4'000'000; us += 5000) live.simulator().tick(us);
+  live.drain();
+  CHECK(live.messages["SIM_STATE"].size() - before["SIM_STATE"].size() == 3);
+  CHECK(live.messages["SIM_STATE"].back() == before["SIM_STATE"].back());
+  for (const char* channel : {"ODOMETRY", "LASER", "INS", "GROUND_TRUTH"})
+    CHECK(live.messages[channel].size() == before[channel].size());
+}
+
 TEST_CASE("bad SIM_STATEs are refused and counted by each sensor, and none of them answers") {
   Stage stage(apartment(), false);
   const double nan = std::numeric_limits<double>::quiet_NaN();
