@@ -268,6 +268,27 @@ TEST_CASE("points of an exact laser, placed with the truth and the mount, lie on
   CHECK(points > 20000);
 }
 
+TEST_CASE(
+    "an exact INS tells how far the robot has turned since the start, and how fast it turns") {
+  SystemConfig config = apartment();
+  config.ins.noise = "none";
+  Messages run = batch(config, 4000);
+  REQUIRE(run["INS"].size() == run["GROUND_TRUTH"].size());
+  double start_rad = 0, last_rad = 0, fastest = 0;
+  for (std::size_t k = 0; k < run["INS"].size(); ++k) {
+    const TimedPose ins = to_timed_pose(decoded<bot_core::pose_t>(run["INS"][k]));
+    const TimedPose truth = to_timed_pose(decoded<bot_core::pose_t>(run["GROUND_TRUTH"][k]));
+    if (k == 0) start_rad = last_rad = truth.pose.heading;
+    REQUIRE(ins.utime == truth.utime);
+    REQUIRE(wrap_angle(truth.pose.heading - start_rad - ins.pose.heading) ==
+            Approx(0).margin(1e-9));
+    REQUIRE(ins.yaw_rate == Approx(wrap_angle(truth.pose.heading - last_rad) / 0.05).margin(1e-6));
+    last_rad = truth.pose.heading;
+    fastest = std::max(fastest, std::abs(ins.yaw_rate));
+  }
+  CHECK(fastest > 0.3);
+}
+
 TEST_CASE("driver none keeps a sensor silent") {
   SystemConfig config = apartment();
   config.ins.driver = config.laser.driver = config.odometry.driver = "none";
