@@ -53,6 +53,7 @@ class SimulatorModule : public Module {
   }
 
   bool ended() const override { return simulation_.state().finished; }
+
   bool troubled() const override { return simulation_.stuck(); }
 
   std::string words() const override {

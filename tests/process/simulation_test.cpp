@@ -181,6 +181,24 @@ TEST_CASE("a live run keeps the pace it was told, after its delay") {
   CHECK(live.messages["SIM_STATE"].size() == Approx(400).margin(2));
 }
 
+TEST_CASE(
+    "the simulator says that its route has ended, and repeats the last state for who missed it") {
+  SystemConfig config = apartment();
+  config.simulator.delay_s = 0;
+  Stage live(config);
+  CHECK_FALSE(live.simulator().ended());
+  while (live.simulator().step()) live.drain();
+  CHECK(live.simulator().ended());
+  CHECK_FALSE(live.simulator().troubled());
+  Messages before = live.messages;
+  for (std::int64_t us = 1'000'000; us < 4'000'000; us += 5000) live.simulator().tick(us);
+  live.drain();
+  CHECK(live.messages["SIM_STATE"].size() - before["SIM_STATE"].size() == 3);
+  CHECK(live.messages["SIM_STATE"].back() == before["SIM_STATE"].back());
+  for (const char* channel : {"ODOMETRY", "LASER", "INS", "GROUND_TRUTH"})
+    CHECK(live.messages[channel].size() == before[channel].size());
+}
+
 TEST_CASE("bad SIM_STATEs are refused and counted by each sensor, and none of them answers") {
   Stage stage(apartment(), false);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -248,6 +266,27 @@ TEST_CASE("points of an exact laser, placed with the truth and the mount, lie on
     }
   }
   CHECK(points > 20000);
+}
+
+TEST_CASE(
+    "an exact INS tells how far the robot has turned since the start, and how fast it turns") {
+  SystemConfig config = apartment();
+  config.ins.noise = "none";
+  Messages run = batch(config, 4000);
+  REQUIRE(run["INS"].size() == run["GROUND_TRUTH"].size());
+  double start_rad = 0, last_rad = 0, fastest = 0;
+  for (std::size_t k = 0; k < run["INS"].size(); ++k) {
+    const TimedPose ins = to_timed_pose(decoded<bot_core::pose_t>(run["INS"][k]));
+    const TimedPose truth = to_timed_pose(decoded<bot_core::pose_t>(run["GROUND_TRUTH"][k]));
+    if (k == 0) start_rad = last_rad = truth.pose.heading;
+    REQUIRE(ins.utime == truth.utime);
+    REQUIRE(wrap_angle(truth.pose.heading - start_rad - ins.pose.heading) ==
+            Approx(0).margin(1e-9));
+    REQUIRE(ins.yaw_rate == Approx(wrap_angle(truth.pose.heading - last_rad) / 0.05).margin(1e-6));
+    last_rad = truth.pose.heading;
+    fastest = std::max(fastest, std::abs(ins.yaw_rate));
+  }
+  CHECK(fastest > 0.3);
 }
 
 TEST_CASE("driver none keeps a sensor silent") {

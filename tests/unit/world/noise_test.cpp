@@ -127,6 +127,17 @@ TEST_CASE("the laser noise of USARSim stays within 0.1 percent and a miss stays 
   CHECK(*high > 10.0095f);
 }
 
+TEST_CASE("each sweep has noise of its own, the same whenever it is made") {
+  const LaserConfig config;
+  const LaserModel model = laser_model(config.model);
+  std::vector<float> first(181, 5.0f), second = first, first_again = first;
+  add_laser_noise(first, config, model, 1, 0);
+  add_laser_noise(second, config, model, 1, 20);
+  add_laser_noise(first_again, config, model, 1, 0);
+  CHECK(first != second);
+  CHECK(first == first_again);
+}
+
 TEST_CASE("silence of the laser means free space only where no return can be lost") {
   LaserConfig config;
   CHECK_FALSE(simulated_sensor(config).no_return_is_free);

@@ -43,6 +43,19 @@ TEST_CASE("a route with turns in place drives its whole length") {
   CHECK(run.simulation.path_m() == Approx(5.5).margin(0.05));
 }
 
+TEST_CASE("a smooth route drives a dead end to its tip before it turns back") {
+  World world = square_room();
+  world.routes = {{"dead end", {{-1, -1}, {1, -1}, {-1, -0.9}}, 0.5, 0.5, false}};
+  WorldSimulation simulation(world, world.routes[0], false);
+  double farthest_m = -1;
+  while (!simulation.state().finished && simulation.state().step < 20000) {
+    simulation.advance();
+    farthest_m = std::max(farthest_m, simulation.state().T_world_base.x);
+  }
+  CHECK(farthest_m == Approx(1.0).margin(0.03));
+  CHECK_THAT(simulation.state().T_world_base, IsNear(Pose2(-1, -0.9, kPi), 0.03, 0.1));
+}
+
 TEST_CASE("wheels agree with the motion, and keep within the drive's limits") {
   const World world = square_room();
   WorldSimulation simulation(world, route_of(world, "sides"), false);
