@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "common/evaluation/semantic_map.hpp"
 #include "common/formats/file_bytes.hpp"
@@ -27,6 +28,14 @@ std::string text_of(double value) {
   return text.str();
 }
 
+/// A value as an error quotes it: a short one as written, a nested one by its type alone.
+std::string shown(const json& value) {
+  const auto plain = [](const json& v) { return v.is_primitive(); };
+  const bool short_list =
+      value.is_array() && value.size() <= 3 && std::all_of(value.begin(), value.end(), plain);
+  return value.is_primitive() || short_list ? value.dump() : value.type_name();
+}
+
 /// Reads the properties of one feature; every getter says which property is wrong and why.
 class Properties {
  public:
@@ -43,7 +52,7 @@ class Properties {
   std::string word(const char* name) const {
     const json& value = get(name);
     if (!value.is_string() || value.get_ref<const std::string&>().empty())
-      refuse(std::string(name) + " is " + value.dump() + ", expected a word");
+      refuse(std::string(name) + " is " + shown(value) + ", expected a word");
     return value.get<std::string>();
   }
 
@@ -58,13 +67,13 @@ class Properties {
   bool flag(const char* name) const {
     const json& value = get(name);
     if (!value.is_boolean())
-      refuse(std::string(name) + " is " + value.dump() + ", expected true or false");
+      refuse(std::string(name) + " is " + shown(value) + ", expected true or false");
     return value.get<bool>();
   }
 
   double number(const char* name, double low, double high) const {
     const json& value = get(name);
-    if (!value.is_number()) refuse(std::string(name) + " is " + value.dump() + ", no number");
+    if (!value.is_number()) refuse(std::string(name) + " is " + shown(value) + ", no number");
     const double x = value.get<double>();
     if (!(x >= low && x <= high))
       refuse(std::string(name) + " is " + text_of(x) + ", outside [" + text_of(low) + ", " +
@@ -93,10 +102,10 @@ class Properties {
 
 Eigen::Vector2d point_of(const json& pair) {
   if (!pair.is_array() || pair.size() < 2 || !pair[0].is_number() || !pair[1].is_number())
-    refuse("point " + pair.dump() + " is no pair of finite numbers");
+    refuse("point " + shown(pair) + " is no pair of finite numbers");
   const Eigen::Vector2d p(pair[0].get<double>(), pair[1].get<double>());
   if (!(p.cwiseAbs().maxCoeff() <= kFarthest_m))
-    refuse("point " + pair.dump() + " is farther than " + text_of(kFarthest_m) + " m");
+    refuse("point " + shown(pair) + " is farther than " + text_of(kFarthest_m) + " m");
   return p;
 }
 
@@ -105,7 +114,7 @@ Points line_of(const Properties& p) {
   Points line;
   for (const json& pair : p.coordinates("LineString")) {
     const Eigen::Vector2d next = point_of(pair);
-    if (!line.empty() && line.back() == next) refuse("has point " + pair.dump() + " twice running");
+    if (!line.empty() && line.back() == next) refuse("has point " + shown(pair) + " twice running");
     line.push_back(next);
   }
   if (line.size() < 2) refuse("has " + std::to_string(line.size()) + " points, expected 2 or more");
@@ -119,7 +128,7 @@ Points segment_of(const Properties& p) {
 }
 
 Points ring_of(const json& coordinates) {
-  if (!coordinates.is_array()) refuse("ring " + coordinates.dump() + " is no list of points");
+  if (!coordinates.is_array()) refuse("ring " + shown(coordinates) + " is no list of points");
   Points ring;
   for (const json& pair : coordinates) ring.push_back(point_of(pair));
   if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
@@ -207,10 +216,10 @@ class Builder {
 };
 
 json features_of(const std::string& text) {
-  const json document = json::parse(text);
+  json document = json::parse(text);
   if (!document.is_object() || !document.contains("features") || !document["features"].is_array())
     refuse("is no GeoJSON FeatureCollection");
-  return document["features"];
+  return std::move(document["features"]);
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 #include "common/world/world.hpp"
 
 #include <catch2/catch.hpp>
+#include <fstream>
+#include <random>
+#include <sstream>
 
 using namespace modslam;
 using Catch::Matchers::Contains;
@@ -145,4 +148,38 @@ TEST_CASE("A route that is not there is answered with those that are") {
               "LineString", "[[0,0],[1,0]]"));
   CHECK_THROWS_WITH(route_of(world, "trip"), Contains("no route \"trip\"; there are: tour"));
   CHECK_THROWS_WITH(route_of(World(), "trip"), Contains("there are: none"));
+}
+
+TEST_CASE("A shipped world with bytes changed is read or refused, never worse") {
+  std::ifstream file(MODSLAM_SOURCE_DIR "/config/worlds/apartment.geojson");
+  std::stringstream content;
+  content << file.rdbuf();
+  const std::string good = content.str();
+  REQUIRE(good.size() > 10000);
+  std::mt19937_64 random(20240517);
+  const std::string letters = "[]{},:\"0123456789.-eE \nnulltrue";
+  int read = 0, refused = 0;
+  for (int i = 0; i < 400; ++i) {
+    std::string text = good;
+    for (int k = 0; k < 1 + i % 3; ++k)
+      text[random() % text.size()] = letters[random() % letters.size()];
+    if (i % 10 == 0) text.resize(random() % text.size());
+    try {
+      parse_world(text, "mutant");
+      ++read;
+    } catch (const std::invalid_argument&) {
+      ++refused;
+    }
+  }
+  CHECK(read > 20);
+  CHECK(refused > 100);
+}
+
+TEST_CASE("Brackets nested a million deep are refused in few words") {
+  const int depth = 1000000;
+  const std::string deep = std::string(depth, '[') + std::string(depth, ']');
+  const std::string words = complaint(
+      feature(R"("kind":"wall","id":"w","thickness":0.15)", "LineString", "[[0,0]," + deep + "]"));
+  CHECK_THAT(words, Contains("feature 2: point array is no pair"));
+  CHECK(words.size() < 200);
 }
