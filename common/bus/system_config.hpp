@@ -10,6 +10,7 @@
 #include "common/maps/map_builder.hpp"
 #include "common/matching/scan_matcher.hpp"
 #include "common/motion/odometry_model.hpp"
+#include "common/semantics/semantic_mapper.hpp"
 #include "common/world/ins_noise.hpp"
 #include "common/world/laser_noise.hpp"
 #include "common/world/odometry_noise.hpp"
@@ -39,6 +40,7 @@ struct SystemConfig {
   EstimatorConfig graph_optimizer;
   LoopDetectorConfig loop_detector;
   MapBuilderConfig map_builder;
+  SemanticsConfig semantics;
   ViewerConfig viewer;
   SimulatorConfig simulator;
   LaserConfig laser;
@@ -54,6 +56,7 @@ struct SystemConfig {
     visit(graph_optimizer);
     visit(loop_detector);
     visit(map_builder);
+    visit(semantics);
     visit(viewer);
     visit(simulator);
     visit(laser);

@@ -69,10 +69,10 @@ double cast_at_circle(const Eigen::Vector2d& to_centre, const Eigen::Vector2d& d
 
 Obstacles::Obstacles(const World& world, bool everybody_walks)
     : edges_(std::make_unique<b2World>(b2Vec2(0, 0))) {
-  for (const Wall& wall : world.walls) add_wall(wall.a, wall.b, wall.thickness_m);
-  for (const Door& door : world.doors)
+  for (const WorldWall& wall : world.walls) add_wall(wall.a, wall.b, wall.thickness_m);
+  for (const WorldDoor& door : world.doors)
     if (!door.open) add_wall(door.a, door.b, kDoorLeaf_m);
-  for (const Object& object : world.objects) add_edges(object.polygon);
+  for (const WorldObject& object : world.objects) add_edges(object.polygon);
   for (const Person& person : world.persons)
     if ((person.enabled || everybody_walks) && !person.points.empty())
       walkers_.push_back({person, length_of(person.points), person.points.front()});

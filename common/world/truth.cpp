@@ -42,7 +42,7 @@ json feature(json properties, json geometry) {
           {"geometry", std::move(geometry)}};
 }
 
-json wall_json(const Wall& wall) {
+json wall_json(const WorldWall& wall) {
   return feature({{"kind", "wall"},
                   {"id", wall.id},
                   {"length_m", to_mm((wall.b - wall.a).norm())},
@@ -50,9 +50,9 @@ json wall_json(const Wall& wall) {
                  line_json(wall.a, wall.b));
 }
 
-MapPolygon polygon_of(const Room& room) { return {room.polygon, room.holes}; }
+MapPolygon polygon_of(const WorldRoom& room) { return {room.polygon, room.holes}; }
 
-json room_json(const Room& room) {
+json room_json(const WorldRoom& room) {
   const MapPolygon polygon = polygon_of(room);
   return feature({{"kind", "room"},
                   {"id", room.id},
@@ -62,7 +62,7 @@ json room_json(const Room& room) {
                  polygon_json(polygon));
 }
 
-json door_json(const World& world, const Door& door) {
+json door_json(const World& world, const WorldDoor& door) {
   json rooms = json::array();
   for (const std::string& id : rooms_joined(world, door))
     rooms.push_back(id.empty() ? json() : json(id));
@@ -74,7 +74,7 @@ json door_json(const World& world, const Door& door) {
                  line_json(door.a, door.b));
 }
 
-json object_json(const Object& object) {
+json object_json(const WorldObject& object) {
   const MapPolygon polygon{object.polygon, {}};
   return feature({{"kind", "object"},
                   {"id", object.id},
@@ -84,13 +84,13 @@ json object_json(const Object& object) {
 }
 
 std::string room_at(const World& world, const Eigen::Vector2d& point) {
-  for (const Room& room : world.rooms)
+  for (const WorldRoom& room : world.rooms)
     if (contains(polygon_of(room), point)) return room.id;
   return "";
 }
 
 /// The first room met from the door's middle along `direction` (unit length).
-std::string room_towards(const World& world, const Door& door, const Eigen::Vector2d& direction) {
+std::string room_towards(const World& world, const WorldDoor& door, const Eigen::Vector2d& direction) {
   const Eigen::Vector2d middle = 0.5 * (door.a + door.b);
   const int steps = static_cast<int>(std::lround(kProbeReach_m / kProbeStep_m));
   for (int i = 1; i <= steps; ++i) {
@@ -102,7 +102,7 @@ std::string room_towards(const World& world, const Door& door, const Eigen::Vect
 
 }  // namespace
 
-std::array<std::string, 2> rooms_joined(const World& world, const Door& door) {
+std::array<std::string, 2> rooms_joined(const World& world, const WorldDoor& door) {
   const Eigen::Vector2d along = (door.b - door.a).normalized();
   const Eigen::Vector2d left(-along.y(), along.x());
   return {room_towards(world, door, left), room_towards(world, door, -left)};
@@ -110,10 +110,10 @@ std::array<std::string, 2> rooms_joined(const World& world, const Door& door) {
 
 std::string world_truth_geojson(const World& world) {
   std::vector<json> features;
-  for (const Wall& wall : world.walls) features.push_back(wall_json(wall));
-  for (const Room& room : world.rooms) features.push_back(room_json(room));
-  for (const Door& door : world.doors) features.push_back(door_json(world, door));
-  for (const Object& object : world.objects) features.push_back(object_json(object));
+  for (const WorldWall& wall : world.walls) features.push_back(wall_json(wall));
+  for (const WorldRoom& room : world.rooms) features.push_back(room_json(room));
+  for (const WorldDoor& door : world.doors) features.push_back(door_json(world, door));
+  for (const WorldObject& object : world.objects) features.push_back(object_json(object));
 
   std::string text = "{\"type\": \"FeatureCollection\", \"features\": [";
   for (std::size_t i = 0; i < features.size(); ++i) text += (i ? ",\n" : "\n") + features[i].dump();

@@ -143,12 +143,12 @@ std::vector<Points> rings_of(const Properties& p) {
   return rings;
 }
 
-Wall wall_of(const Properties& p) {
+WorldWall wall_of(const Properties& p) {
   const Points ends = segment_of(p);
   return {p.word("id"), ends[0], ends[1], p.number("thickness", 0.01, 2)};
 }
 
-Door door_of(const Properties& p) {
+WorldDoor door_of(const Properties& p) {
   const Points jambs = segment_of(p);
   const double width_m = (jambs[1] - jambs[0]).norm(), written_m = p.number("width", 0.1, 20);
   if (std::abs(written_m - width_m) > kWidthTolerance_m)
@@ -157,14 +157,14 @@ Door door_of(const Properties& p) {
   return {p.word("id"), jambs[0], jambs[1], width_m, p.choice("state", "open", "closed")};
 }
 
-Room room_of(const Properties& p) {
+WorldRoom room_of(const Properties& p) {
   std::vector<Points> rings = rings_of(p);
-  Room room{p.word("id"), p.word("category"), p.word("name"), rings.front(), {}};
+  WorldRoom room{p.word("id"), p.word("category"), p.word("name"), rings.front(), {}};
   room.holes.assign(rings.begin() + 1, rings.end());
   return room;
 }
 
-Object object_of(const Properties& p) {
+WorldObject object_of(const Properties& p) {
   const std::vector<Points> rings = rings_of(p);
   if (rings.size() > 1) refuse("is an object with a hole");
   return {p.word("id"), p.word("class"), rings.front()};

@@ -19,14 +19,14 @@ namespace modslam {
 
 /// A straight wall: a box of `thickness_m` round the middle line a-b, square at both ends, so that
 /// the ends of a cut wall are the jambs of its doorways.
-struct Wall {
+struct WorldWall {
   std::string id;
   Eigen::Vector2d a, b;
   double thickness_m = 0;
 };
 
 /// A doorway, jamb to jamb. A closed door stands in the way like a thin wall from a to b.
-struct Door {
+struct WorldDoor {
   std::string id;
   Eigen::Vector2d a, b;
   double width_m = 0;
@@ -34,14 +34,14 @@ struct Door {
 };
 
 /// A room or a corridor; rings are open (first point not repeated), 3 points or more.
-struct Room {
+struct WorldRoom {
   std::string id, category, name;
   std::vector<Eigen::Vector2d> polygon;
   std::vector<std::vector<Eigen::Vector2d>> holes;  ///< the block a ring corridor runs round
 };
 
 /// Furniture, a car, a pillar: solid, its edges are what the laser sees.
-struct Object {
+struct WorldObject {
   std::string id, class_name;
   std::vector<Eigen::Vector2d> polygon;  ///< open, 3 points or more
 };
@@ -64,10 +64,10 @@ struct Person {
 
 struct World {
   std::string name;  ///< of the file, for messages
-  std::vector<Wall> walls;
-  std::vector<Door> doors;
-  std::vector<Room> rooms;
-  std::vector<Object> objects;
+  std::vector<WorldWall> walls;
+  std::vector<WorldDoor> doors;
+  std::vector<WorldRoom> rooms;
+  std::vector<WorldObject> objects;
   std::vector<Route> routes;
   std::vector<Person> persons;
   Eigen::Vector2d start = Eigen::Vector2d::Zero();

@@ -65,7 +65,7 @@ TEST_CASE("rays agree with brute force on random segments") {
     const Vector2d origin(place(random), place(random));
     const double bearing_rad = angle(random);
     double expected_m = 20;
-    for (const Object& object : world.objects)
+    for (const WorldObject& object : world.objects)
       for (std::size_t k = 0; k < 3; ++k)
         expected_m = std::min(expected_m, cast_at_segment(origin, bearing_rad, object.polygon[k],
                                                           object.polygon[(k + 1) % 3]));
@@ -74,7 +74,7 @@ TEST_CASE("rays agree with brute force on random segments") {
     double aside_m = 20;
     for (const double off : {-1e-4, 1e-4}) {
       double beside_m = 20;
-      for (const Object& object : world.objects)
+      for (const WorldObject& object : world.objects)
         for (std::size_t k = 0; k < 3; ++k)
           beside_m =
               std::min(beside_m, cast_at_segment(origin, bearing_rad + off, object.polygon[k],

@@ -31,7 +31,7 @@ double distance_m(const Eigen::Vector2d& p, const Points& outline) {
   return nearest_m;
 }
 
-Points box_of(const Wall& wall) {
+Points box_of(const WorldWall& wall) {
   const Eigen::Vector2d d = (wall.b - wall.a).normalized() * wall.thickness_m / 2, n(-d.y(), d.x());
   return {wall.a + n, wall.b + n, wall.b - n, wall.a - n};
 }
@@ -39,10 +39,10 @@ Points box_of(const Wall& wall) {
 /// From the robot's centre to what stands nearest: walls, objects, closed doors.
 double clearance_m(const World& world, const Eigen::Vector2d& p) {
   double nearest_m = 1e9;
-  for (const Wall& wall : world.walls) nearest_m = std::min(nearest_m, distance_m(p, box_of(wall)));
-  for (const Object& object : world.objects)
+  for (const WorldWall& wall : world.walls) nearest_m = std::min(nearest_m, distance_m(p, box_of(wall)));
+  for (const WorldObject& object : world.objects)
     nearest_m = std::min(nearest_m, distance_m(p, object.polygon));
-  for (const Door& door : world.doors)
+  for (const WorldDoor& door : world.doors)
     if (!door.open) nearest_m = std::min(nearest_m, distance_m(p, door.a, door.b));
   return nearest_m;
 }
@@ -92,14 +92,14 @@ TEST_CASE("Every shipped door lies in a gap of the walls and joins two different
   for (const char* name : {"apartment", "compworld"}) {
     const World world = shipped(name);
     std::set<std::string> reached;
-    for (const Door& door : world.doors) {
+    for (const WorldDoor& door : world.doors) {
       INFO(name << " " << door.id);
       const auto rooms = rooms_joined(world, door);
       CHECK_FALSE(rooms[0].empty());
       CHECK_FALSE(rooms[1].empty());
       CHECK(rooms[0] != rooms[1]);
       reached.insert(rooms.begin(), rooms.end());
-      for (const Wall& wall : world.walls)
+      for (const WorldWall& wall : world.walls)
         CHECK(distance_m(0.5 * (door.a + door.b), box_of(wall)) >= 0.49 * door.width_m);
     }
     CHECK(reached.size() == world.rooms.size());
@@ -113,7 +113,7 @@ TEST_CASE("Every shipped object stands in a room and overlaps no other") {
       const MapPolygon object{world.objects[i].polygon, {}};
       INFO(name << " " << world.objects[i].id);
       double in_rooms_m2 = 0;
-      for (const Room& room : world.rooms)
+      for (const WorldRoom& room : world.rooms)
         in_rooms_m2 += overlap_m2(object, {room.polygon, room.holes});
       CHECK(in_rooms_m2 == Approx(area_m2(object)).margin(1e-6));
       for (std::size_t j = 0; j < i; ++j)
@@ -126,7 +126,7 @@ TEST_CASE("The apartment holds what its tests count on") {
   const World world = shipped("apartment");
   CHECK(world.doors.size() == 13);
   int cars = 0, police_cars = 0, pillars = 0;
-  for (const Object& object : world.objects) {
+  for (const WorldObject& object : world.objects) {
     cars += object.class_name == "car";
     police_cars += object.class_name == "police_car";
     pillars += object.class_name == "pillar";

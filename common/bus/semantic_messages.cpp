@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/bus/semantic_messages.hpp"
+
+namespace modslam {
+namespace {
+
+template <class Message>
+void put_outline(Message& message, const std::vector<Eigen::Vector2d>& outline) {
+  for (const Eigen::Vector2d& p : outline) {
+    message.x.push_back(p.x());
+    message.y.push_back(p.y());
+  }
+  message.npoints = static_cast<std::int32_t>(outline.size());
+}
+
+template <class Message>
+void put_ends(Message& message, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  message.a[0] = a.x();
+  message.a[1] = a.y();
+  message.b[0] = b.x();
+  message.b[1] = b.y();
+}
+
+}  // namespace
+
+wall_t to_message(const Wall& wall) {
+  wall_t message{};
+  message.id = wall.id;
+  put_ends(message, wall.a, wall.b);
+  message.evidence = wall.evidence;
+  message.sigma_m = wall.sigma_m;
+  return message;
+}
+
+door_t to_message(const Door& door) {
+  door_t message{};
+  message.id = door.id;
+  put_ends(message, door.a, door.b);
+  message.width_m = door.width_m();
+  message.evidence = door.evidence;
+  message.room_a = door.room_a;
+  message.room_b = door.room_b;
+  message.state = door_t::OPEN;  // found by looking through it
+  return message;
+}
+
+room_t to_message(const Room& room) {
+  room_t message{};
+  message.id = room.id;
+  message.name = room.name;
+  message.type = room.corridor ? room_t::CORRIDOR : room_t::ROOM;
+  message.area_m2 = room.area_m2;
+  message.explored = room.explored;
+  message.evidence = room.evidence;
+  put_outline(message, room.outline);
+  return message;
+}
+
+object_t to_message(const Object& object, std::int64_t utime) {
+  object_t message{};
+  message.id = object.id;
+  message.class_name = object.class_name;
+  message.area_m2 = object.area_m2;
+  message.evidence = object.evidence;
+  message.first_utime = message.last_utime = utime;
+  put_outline(message, object.outline);
+  return message;
+}
+
+}  // namespace modslam

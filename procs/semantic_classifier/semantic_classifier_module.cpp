@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// procs/semantic_classifier — NODE + GRAPH (+ POSE, SYNC_REQUEST) → SEMANTIC_WALLS, _ROOMS, _DOORS, _OBJECTS. Config: [semantics].
+#include <modslam/sync_request_t.hpp>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/graph_mirror.hpp"
+#include "common/bus/modules.hpp"
+#include "common/bus/semantic_messages.hpp"
+#include "common/bus/system_config.hpp"
+
+namespace modslam {
+namespace {
+
+class SemanticClassifierModule : public Module {
+ public:
+  SemanticClassifierModule(Bus& bus, const SystemConfig& config)
+      : bus_(bus), config_(config.semantics), mapper_(config.semantics), mirror_(bus) {
+    mirror_.on_node = [this](const MirrorNode& node) {
+      mapper_.add_node(node.scan, node.sensor, node.T_map_base);
+      dirty_ = true;
+    };
+    mirror_.on_update = [this](const std::vector<NodeId>& moved) {
+      for (const NodeId id : moved) mapper_.set_pose(id, mirror_.nodes()[static_cast<std::size_t>(id)].T_map_base);
+      dirty_ = dirty_ || !moved.empty();
+      if (dirty_ && !mirror_.nodes().empty() && due(mirror_.nodes().back().utime)) work(false);
+    };
+    mirror_.on_reset = [this] { mapper_.clear(); };
+    bus.subscribe<sync_request_t>(channel::kSyncRequest, [this](const sync_request_t& m) {
+      if (m.requester != bus_.name() && version_ > 0) publish();
+    });
+  }
+
+  void finish() override {
+    if (!mirror_.nodes().empty()) work(true);
+  }
+
+  std::string words() const override {
+    return std::to_string(layers_.walls.size()) + " walls, " + std::to_string(layers_.rooms.size()) + " rooms, " +
+           std::to_string(layers_.doors.size()) + " doors, " + std::to_string(layers_.objects.size()) + " objects";
+  }
+
+ private:
+  bool due(std::int64_t utime) {
+    if (last_ != 0 && std::abs(static_cast<double>(utime - last_)) < config_.publish_s * 1e6) return false;
+    last_ = utime;
+    return true;
+  }
+
+  void work(bool settled) {
+    dirty_ = false;
+    layers_ = mapper_.update(settled);
+    ++version_;
+    publish();
+  }
+
+  void publish() {
+    const std::int64_t utime = mirror_.nodes().back().utime;
+    std::vector<wall_t> walls;
+    for (const Wall& wall : layers_.walls) walls.push_back(to_message(wall));
+    std::vector<room_t> rooms;
+    for (const Room& room : layers_.rooms) rooms.push_back(to_message(room));
+    std::vector<door_t> doors;
+    for (const Door& door : layers_.doors) doors.push_back(to_message(door));
+    std::vector<object_t> objects;
+    for (const Object& object : layers_.objects) objects.push_back(to_message(object, utime));
+    for (const auto& m : to_chunks<wall_list_t>(walls, utime, version_, [](wall_list_t& list, const std::vector<wall_t>& part) {
+           list.walls = part;
+           list.nwalls = static_cast<std::int32_t>(part.size());
+         }))
+      bus_.publish(channel::kWalls, m);
+    for (const auto& m : to_chunks<room_list_t>(rooms, utime, version_, [](room_list_t& list, const std::vector<room_t>& part) {
+           list.rooms = part;
+           list.nrooms = static_cast<std::int32_t>(part.size());
+         }))
+      bus_.publish(channel::kRooms, m);
+    for (const auto& m : to_chunks<door_list_t>(doors, utime, version_, [](door_list_t& list, const std::vector<door_t>& part) {
+           list.doors = part;
+           list.ndoors = static_cast<std::int32_t>(part.size());
+         }))
+      bus_.publish(channel::kDoors, m);
+    for (const auto& m : to_chunks<object_list_t>(objects, utime, version_, [](object_list_t& list, const std::vector<object_t>& part) {
+           list.objects = part;
+           list.nobjects = static_cast<std::int32_t>(part.size());
+         }))
+      bus_.publish(channel::kObjects, m);
+  }
+
+  Bus& bus_;
+  SemanticsConfig config_;
+  SemanticMapper mapper_;
+  GraphMirror mirror_;
+  SemanticLayers layers_;
+  bool dirty_ = false;
+  std::int64_t last_ = 0, version_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Module> make_semantic_classifier(Bus& bus, const SystemConfig& config) {
+  return std::make_unique<SemanticClassifierModule>(bus, config);
+}
+
+}  // namespace modslam
