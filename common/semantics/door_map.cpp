@@ -7,6 +7,7 @@
 namespace modslam {
 namespace {
 
+constexpr double kMinJambWall_m = 1.0;  // shorter faces are furniture rather than what a door hangs in
 constexpr double kEvidencePerSighting = 0.4, kMaxEvidence = 12.0;
 
 double free_share(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const KnownSpace& space) {
@@ -42,10 +43,13 @@ std::vector<Gap> gaps_between_walls(const std::vector<WallBand>& bands, const Do
   const auto fits = [&](double width_m) { return width_m >= options.min_width_m && width_m <= options.max_width_m; };
   for (const WallBand& band : bands) {
     for (std::size_t k = 0; k + 1 < band.walls.size(); ++k)
-      if (fits((band.walls[k + 1].a - band.walls[k].b).norm())) gaps.push_back({band.walls[k].b, band.walls[k + 1].a});
+      if (fits((band.walls[k + 1].a - band.walls[k].b).norm()) &&
+          band.walls[k].length_m() + band.walls[k + 1].length_m() > kMinJambWall_m)
+        gaps.push_back({band.walls[k].b, band.walls[k + 1].a});
     // A door in the corner of a room: the second jamb is a wall across.
     for (std::size_t k = 0; k < band.walls.size(); ++k) {
       const Wall& wall = band.walls[k];
+      if (wall.length_m() < kMinJambWall_m) continue;
       for (const bool at_end : {false, true}) {
         if (at_end ? k + 1 < band.walls.size() : k > 0) continue;
         const Eigen::Vector2d end = at_end ? wall.b : wall.a;
@@ -54,7 +58,7 @@ std::vector<Gap> gaps_between_walls(const std::vector<WallBand>& bands, const Do
         Eigen::Vector2d hit = end, at = end;
         for (const WallBand& other : bands)
           for (const Wall& across : other.walls)
-            if (meets(end, u, across, nearest, at)) {
+            if (across.length_m() > kMinJambWall_m && meets(end, u, across, nearest, at)) {
               nearest = (at - end).norm();
               hit = at;
             }

@@ -7,6 +7,8 @@
 namespace modslam {
 namespace {
 
+constexpr double kNarrowest_m = 0.55;  // a gap this wide may be a door, however the beams lie
+
 struct Line {
   Eigen::Vector2d centre, direction;
   double sigma_m;
@@ -79,7 +81,7 @@ std::vector<std::vector<int>> split_at_gaps(const std::vector<ScanPoint>& points
       const ScanPoint &last = points[static_cast<std::size_t>(runs.back().back())], &point = points[static_cast<std::size_t>(k)];
       // Far beams that graze a wall lie far apart on it; neighbouring beams are connected all the same.
       const bool neighbours = std::abs(last.beam - point.beam) <= 2;
-      const double reach = std::max(options.gap_m, neighbours ? 12 * radstep * point.range_m : 0.0);
+      const double reach = std::max(options.gap_m, neighbours ? std::min(kNarrowest_m, 12 * radstep * point.range_m) : 0.0);
       starts = along(k) - along(runs.back().back()) > reach;
     }
     if (starts) runs.emplace_back();

@@ -132,7 +132,14 @@ const SemanticLayers& SemanticMapper::update(bool settled) {
   WallMapOptions wall_options;
   wall_options.min_length_m = config_.wall_min_m;
   wall_options.min_sightings = static_cast<int>(config_.wall_sightings);
-  std::vector<WallBand> bands = merge_segments(scans, wall_options);
+  const auto is_solid = [&](const Eigen::Vector2d& p) {
+    const cv::Point c = space.cell(p);
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx)
+        if (space.is_occupied(c + cv::Point(dx, dy))) return true;
+    return false;
+  };
+  std::vector<WallBand> bands = merge_segments(scans, wall_options, is_solid);
 
   SemanticLayers layers;
   ObjectMap objects = find_objects(space, config_.object_max_m2);
@@ -148,6 +155,9 @@ const SemanticLayers& SemanticMapper::update(bool settled) {
         }
       return 2 * behind > looked;
     }), band.walls.end());
+  }
+  remove_furniture(bands);
+  for (WallBand& band : bands) {
     for (Wall& wall : band.walls) {
       double sum = 0;
       int count = 0;

@@ -44,7 +44,7 @@ class Band {
     return std::min(a, b) < high_ + options.band_gap_m && std::max(a, b) > low_ - options.band_gap_m;
   }
 
-  WallBand walls(const WallMapOptions& options) const {
+  WallBand walls(const WallMapOptions& options, const std::function<bool(const Eigen::Vector2d&)>& is_solid) const {
     double low = 1e300, high = -1e300;
     for (const Segment& s : segments_) {
       low = std::min({low, along(s.a), along(s.b)});
@@ -69,6 +69,7 @@ class Band {
     for (std::size_t k = 0; k < sightings.size(); ++k) {
       if (sightings[k] < options.min_sightings) continue;
       const double at = low + static_cast<double>(k) * kBin_m;
+      if (!is_solid(centre_ + (at + 0.5 * kBin_m) * direction_)) continue;
       if (at - end > options.bridge_m) {
         close();
         start = at;
@@ -112,7 +113,8 @@ class Band {
 
 }  // namespace
 
-std::vector<WallBand> merge_segments(const std::vector<PlacedSegments>& scans, const WallMapOptions& options) {
+std::vector<WallBand> merge_segments(const std::vector<PlacedSegments>& scans, const WallMapOptions& options,
+                                     const std::function<bool(const Eigen::Vector2d&)>& is_solid) {
   std::vector<const Segment*> order;
   for (const PlacedSegments& scan : scans)
     for (const Segment& segment : scan) order.push_back(&segment);
@@ -139,10 +141,63 @@ std::vector<WallBand> merge_segments(const std::vector<PlacedSegments>& scans, c
   }
   std::vector<WallBand> out;
   for (const Band& band : bands) {
-    WallBand walls = band.walls(options);
+    WallBand walls = band.walls(options, is_solid);
     if (!walls.walls.empty()) out.push_back(std::move(walls));
   }
   return out;
+}
+
+namespace {
+
+constexpr double kFurnitureDepth_m = 1.0, kFurnitureLength_m = 2.6, kSideLength_m = 1.3, kTouch_m = 0.25;
+
+/// Whether the band runs parallel behind the face and reaches at least to its ends.
+bool runs_behind(const WallBand& band, const Wall& face) {
+  const Eigen::Vector2d u = face.direction(), n = face.normal();
+  double low = 1e300, high = -1e300, length_m = 0, overlap_m = 0;
+  for (const Wall& wall : band.walls) {
+    if (wall.direction().dot(u) < 0.985) return false;
+    const double depth_m = n.dot(face.a - 0.5 * (wall.a + wall.b));
+    if (depth_m < 0.12 || depth_m > kFurnitureDepth_m) return false;
+    low = std::min(low, u.dot(wall.a - face.a));
+    high = std::max(high, u.dot(wall.b - face.a));
+    length_m += wall.length_m();
+    overlap_m += std::max(0.0, std::min(face.length_m(), u.dot(wall.b - face.a)) - std::max(0.0, u.dot(wall.a - face.a)));
+  }
+  // Behind the front itself the wall is hidden; it goes on beside it.
+  return length_m > 0.6 * face.length_m() && high > -0.5 && low < face.length_m() + 0.5 && overlap_m < 0.5 * face.length_m();
+}
+
+double nearest_end_m(const Wall& p, const Wall& q) {
+  return std::min({(p.a - q.a).norm(), (p.a - q.b).norm(), (p.b - q.a).norm(), (p.b - q.b).norm()});
+}
+
+}  // namespace
+
+void remove_furniture(std::vector<WallBand>& bands) {
+  std::vector<Wall> fronts;
+  for (WallBand& band : bands) {
+    double band_m = 0;
+    for (const Wall& wall : band.walls) band_m += wall.length_m();
+    if (band_m > kFurnitureLength_m) continue;
+    const auto is_front = [&](const Wall& face) {
+      return std::any_of(bands.begin(), bands.end(), [&](const WallBand& other) {
+        return &other != &band && !other.walls.empty() && runs_behind(other, face);
+      });
+    };
+    for (const Wall& wall : band.walls)
+      if (is_front(wall)) fronts.push_back(wall);
+  }
+  const auto belongs = [&](const Wall& wall) {
+    return std::any_of(fronts.begin(), fronts.end(), [&](const Wall& front) {
+      if ((wall.a - front.a).norm() < 1e-9 && (wall.b - front.b).norm() < 1e-9) return true;
+      const bool side = std::abs(wall.direction().dot(front.direction())) < 0.3;
+      return side && wall.length_m() < kSideLength_m && nearest_end_m(wall, front) < kTouch_m;
+    });
+  };
+  for (WallBand& band : bands)
+    band.walls.erase(std::remove_if(band.walls.begin(), band.walls.end(), belongs), band.walls.end());
+  bands.erase(std::remove_if(bands.begin(), bands.end(), [](const WallBand& band) { return band.walls.empty(); }), bands.end());
 }
 
 }  // namespace modslam

@@ -4,6 +4,7 @@
 /// Segments that lie on one line, seen from one side, join a band. A band keeps the sums of its points (so its line is the least-squares line
 /// of all of them) and where along it segments lay; a wall is a stretch that enough scans have seen.
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "common/semantics/hough.hpp"
@@ -28,7 +29,13 @@ struct WallBand {
   std::vector<Wall> walls;
 };
 
-/// @param scans segments of each scan in the map frame. Cost O(segments * bands of like direction). Same input, same order out.
-std::vector<WallBand> merge_segments(const std::vector<PlacedSegments>& scans, const WallMapOptions& options);
+/// @param scans segments of each scan in the map frame. @param is_solid whether the raster knows something solid around a place: a stretch
+/// that most beams passed is no wall, whoever drew a line across it. Cost O(segments * bands of like direction). Same input, same order out.
+std::vector<WallBand> merge_segments(const std::vector<PlacedSegments>& scans, const WallMapOptions& options,
+                                     const std::function<bool(const Eigen::Vector2d&)>& is_solid);
+
+/// Takes out the fronts and sides of furniture that stands against walls: a face is a front when a longer wall runs parallel close behind
+/// it, on both or one of its sides; a short face at the end of a front is its side.
+void remove_furniture(std::vector<WallBand>& bands);
 
 }  // namespace modslam
