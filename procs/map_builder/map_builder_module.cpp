@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// procs/map_builder — NODE + GRAPH (+ POSE, SYNC_REQUEST) → MAP_TILE. Config: [map_builder].
-#include <zlib.h>
-
 #include <modslam/map_tile_t.hpp>
 #include <modslam/sync_request_t.hpp>
 
@@ -9,19 +7,12 @@
 #include "common/bus/graph_mirror.hpp"
 #include "common/bus/modules.hpp"
 #include "common/bus/system_config.hpp"
+#include "common/maps/mosaic.hpp"
 
 namespace modslam {
 namespace {
 
 constexpr int kTilesPerTick = 20;  // so that a large map does not flood the network at once
-
-std::vector<std::uint8_t> deflate(const std::vector<std::uint8_t>& raw) {
-  uLongf size = compressBound(raw.size());
-  std::vector<std::uint8_t> out(size);
-  compress2(out.data(), &size, raw.data(), raw.size(), Z_BEST_SPEED);
-  out.resize(size);
-  return out;
-}
 
 class MapBuilderModule : public Module {
  public:
@@ -98,7 +89,7 @@ class MapBuilderModule : public Module {
     message.ncells = OccupancyMap::kTileCells;
     message.resolution_m = config_.resolution_m;
     message.encoding = map_tile_t::ZLIB;
-    message.data = deflate(builder_.map().render(index));
+    message.data = pack_cells(builder_.map().render(index));
     message.nbytes = static_cast<std::int32_t>(message.data.size());
     bus_.publish(channel::kMapTile, message);
   }

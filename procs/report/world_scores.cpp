@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "procs/report/world_scores.hpp"
 
-// The scorers come with the branch that holds common/evaluation/semantic_scores.
-#if __has_include("common/evaluation/semantic_scores.hpp")
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -35,12 +33,3 @@ Json score_world(const std::string& world_path, const std::string& log_path, con
 }
 
 }  // namespace modslam::report
-#else
-namespace modslam::report {
-
-Json score_world(const std::string&, const std::string&, const RunRecord&, const Results&) {
-  return nullptr;
-}
-
-}  // namespace modslam::report
-#endif
