@@ -29,7 +29,8 @@ World toy_world() {
 
 json features_of(const World& world, const std::string& kind) {
   json found = json::array();
-  for (const json& f : json::parse(world_truth_geojson(world)).at("features"))
+  const json truth = json::parse(world_truth_geojson(world));  // outlives the loop over a part of it
+  for (const json& f : truth.at("features"))
     if (f.at("properties").at("kind") == kind) found.push_back(f);
   return found;
 }
