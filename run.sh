@@ -59,8 +59,9 @@ replay() {
   check_log "$log"
   start_run ""
   echo "Replaying $log at $SPEED times real time. Page: $(page_url)   Stop: Ctrl-C"
-  play_log "$log"
+  play_log "$LOG"
   end_run
+  return "$LOG_CODE"
 }
 
 offline() {

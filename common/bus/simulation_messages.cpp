@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "common/bus/bus.hpp"
+#include "common/bus/channels.hpp"
 #include "common/bus/conversions.hpp"
 
 namespace modslam {
@@ -47,6 +47,20 @@ sim_state_t to_message(const SimulationState& state) {
   message.yaw_rate = state.yaw_rate;
   message.finished = state.finished;
   return message;
+}
+
+SimulationStates::SimulationStates(Bus& bus, Handler on_state) : bus_(bus), on_state_(std::move(on_state)) {
+  bus.subscribe<sim_state_t>(channel::kSimState, [this](const sim_state_t& m) { take(to_simulation_state(m)); });
+}
+
+void SimulationStates::take(const SimulationState& state) {
+  const StepOrder::Kind kind = order_.see(state.step);
+  if (kind == StepOrder::Kind::kRepeated) return;
+  if (kind == StepOrder::Kind::kLate)
+    throw BadMessage("step " + std::to_string(state.step) + " comes after step " + std::to_string(order_.newest()));
+  if (order_.skipped() > 0) bus_.count_gap(channel::kSimState, order_.skipped());
+  lost_ += order_.skipped();
+  on_state_(state, kind == StepOrder::Kind::kAnew);
 }
 
 }  // namespace modslam

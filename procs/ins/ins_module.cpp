@@ -9,7 +9,6 @@
 #include "common/bus/modules.hpp"
 #include "common/bus/simulation_messages.hpp"
 #include "common/bus/system_config.hpp"
-#include "common/world/step_period.hpp"
 
 namespace modslam {
 namespace {
@@ -23,20 +22,21 @@ class InsModule : public Module {
         period_(config_.rate_hz, WorldSimulation::kSteps_per_s),
         ins_(config_.noise, seed_) {
     if (config_.driver != "simulated") return;
-    bus.subscribe<sim_state_t>(channel::kSimState,
-                               [this](const sim_state_t& m) { on_state(to_simulation_state(m)); });
+    states_.emplace(bus, [this](const SimulationState& state, bool anew) { on_state(state, anew); });
   }
 
   std::string words() const override {
-    return config_.driver == "simulated" ? "simulated, noise " + config_.noise : "driver none";
+    return states_ ? "simulated, noise " + config_.noise : "driver none";
   }
 
  private:
-  void on_state(const SimulationState& state) {
-    if (!period_.due(state.step)) return;
-    if (!last_ || state.step < last_->step)  // the first, or the simulation began anew
+  void on_state(const SimulationState& state, bool anew) {
+    if (anew) {
       ins_ = NoisyIns(config_.noise, seed_);
-    else
+      last_.reset();
+    }
+    if (!period_.due(state.step)) return;
+    if (last_)
       ins_.advance(wrap_angle(state.T_world_base.heading - last_->T_world_base.heading),
                    WorldSimulation::time_s(state.step - last_->step));
     last_ = state;
@@ -52,6 +52,7 @@ class InsModule : public Module {
   StepPeriod period_;
   NoisyIns ins_;
   std::optional<SimulationState> last_;
+  std::optional<SimulationStates> states_;
 };
 
 }  // namespace

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// procs/laser — SIM_STATE (sim_state_t) → LASER, SENSOR_INFO. Config: [laser], [simulator].
+#include <optional>
+
 #include "common/bus/bus.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/conversions.hpp"
 #include "common/bus/modules.hpp"
 #include "common/bus/simulation_messages.hpp"
 #include "common/bus/system_config.hpp"
-#include "common/world/step_period.hpp"
 
 namespace modslam {
 namespace {
@@ -26,8 +27,7 @@ class LaserModule : public Module {
     if (config_.driver != "simulated") return;
     obstacles_ =
         std::make_unique<Obstacles>(load_world(config.simulator.world), config.simulator.people);
-    bus.subscribe<sim_state_t>(channel::kSimState,
-                               [this](const sim_state_t& m) { on_state(to_simulation_state(m)); });
+    states_.emplace(bus, [this](const SimulationState& state, bool) { on_state(state); });
   }
 
   std::string words() const override {
@@ -68,6 +68,7 @@ class LaserModule : public Module {
   StepPeriod sweep_period_, info_period_;
   std::unique_ptr<Obstacles> obstacles_;
   std::int64_t sweeps_ = 0;
+  std::optional<SimulationStates> states_;
 };
 
 }  // namespace

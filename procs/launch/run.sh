@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Sourced by run.sh: one run. Its folder, its processes under supervisor, its end and its results.
 
-readonly CURRENT=$HOUSE/logs/.current  # names the folder of the run that is going on
-OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" ENDED=""
+readonly CURRENT=${MODSLAM_CURRENT:-$HOUSE/logs/.current}  # names the folder of the run that is going on
+OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED=""
 
 # Options that all runs share; sets OUT, SPEED, CONFIG, OVERRIDES.
 parse_run_options() {
@@ -16,7 +16,7 @@ parse_run_options() {
       *) die "$kind: unknown option '$1'" ;;
     esac
   done
-  [[ $SPEED =~ ^[0-9]+([.][0-9]+)?$ ]] || die "--speed $SPEED: not a positive number"
+  [[ $SPEED =~ ^[0-9]*[.]?[0-9]+$ && $SPEED == *[1-9]* ]] || die "--speed $SPEED: not a positive number"
   "$BIN/modslam-config" --config "$CONFIG" "${OVERRIDES[@]}" >/dev/null || exit 1
   OUT=${OUT:-$HOUSE/logs/$(date +%Y-%m-%d_%H-%M-%S)_$kind}
   mkdir -p "$OUT" 2>/dev/null && [[ -w $OUT ]] || die "$OUT: cannot be written"
@@ -25,9 +25,16 @@ parse_run_options() {
 
 setting() { "$BIN/modslam-config" --config "$CONFIG" "${OVERRIDES[@]}" --get "$1"; }
 
+# Sets LOG to what can be played: the log itself, or a copy without its damaged places, which the stock player would end at.
 check_log() {
-  [[ $(head -c 4 "$1" | od -An -tx1 | tr -d ' ') == eda1da01 ]] ||
-    die "$1: is not an LCM log (./run.sh import turns CARMEN logs and rawlogs into one)"
+  local code=0
+  LOG=$1 LOG_CODE=0
+  "$BIN/modslam-check-log" "$1" --needs LASER --mended "$OUT/mended.lcm" || code=$?
+  case $code in
+    0) ;;
+    2) LOG=$OUT/mended.lcm LOG_CODE=2 ;;
+    *) exit 1 ;;
+  esac
 }
 
 simulated_sources() { echo "simulator laser odometry ins"; }
@@ -64,14 +71,15 @@ start_run() {
   for name in $sources; do [[ $name == simulator ]] && late+=("$name") || first+=("$name"); done
   for name in $(mapping_processes); do first+=("$name"); done
   write_supervisor_file "${first[*]}" "${late[*]:-}" >"$OUT/supervisor.conf"
-  trap 'on_signal' INT TERM
+  trap 'on_signal 130' INT
+  trap 'on_signal 143' TERM
   trap 'stop_run' EXIT
   setsid supervisord -c "$OUT/supervisor.conf" >"$OUT/log/supervisord.out" 2>&1 &
   SUPERVISOR_PID=$!
-  mkdir -p "$HOUSE/logs"
-  printf 'OUT=%q\nPORT=%q\nPAGE_PORT=%q\nSUPERVISOR_PID=%q\n' "$OUT" "$PORT" "${PAGE_PORT:-}" "$SUPERVISOR_PID" >"$CURRENT"
+  mkdir -p "$(dirname "$CURRENT")"
+  printf '%s=%q\n' OUT "$OUT" PORT "$PORT" PAGE_PORT "${PAGE_PORT:-}" SUPERVISOR_PID "$SUPERVISOR_PID" LAUNCHER_PID $$ >"$CURRENT"
   cp "$CURRENT" "$OUT/run.env"
-  "$BIN/modslam-conduct" --timeout 20 up "${first[@]}" ||
+  wait_for "$BIN/modslam-conduct" --timeout 20 up "${first[@]}" ||
     { tail -n 5 "$OUT"/log/*.log >&2; die "not all processes started; their logs are in $OUT/log"; }
   for name in "${late[@]}"; do supervisor_control start "$name" >/dev/null; done
 }
@@ -125,9 +133,19 @@ supervisor_control() { supervisorctl -c "$OUT/supervisor.conf" "$@"; }
 
 page_url() { [[ -n ${PAGE_PORT:-} ]] && echo "http://127.0.0.1:$PAGE_PORT/" || echo "(no viewer)"; }
 
+# Runs a command so that a signal to this script is answered at once, and not when the command ends.
+wait_for() {
+  local code=0
+  "$@" &
+  WAITING_PID=$!
+  wait "$WAITING_PID" || code=$?
+  WAITING_PID=""
+  return "$code"
+}
+
 wait_for_simulation() {
   local name
-  until "$BIN/modslam-conduct" --timeout 10 ended simulator; do
+  until wait_for "$BIN/modslam-conduct" --timeout 10 ended simulator; do
     kill -0 "$SUPERVISOR_PID" 2>/dev/null || die "the run was stopped"
     for name in simulator $(mapping_processes); do
       supervisor_control status "$name" | grep -Eq 'RUNNING|STARTING|BACKOFF' || die "$name does not run; see $OUT/log/$name.log"
@@ -136,10 +154,8 @@ wait_for_simulation() {
 }
 
 play_log() {
-  lcm-logplayer -s "$SPEED" -e 'LASER|ODOMETRY|INS|SENSOR_INFO|GROUND_TRUTH|SIM_INFO' "$1" >"$OUT/log/logplayer.log" 2>&1 &
-  PLAYER_PID=$!
-  wait "$PLAYER_PID" || die "lcm-logplayer failed; see $OUT/log/logplayer.log"
-  PLAYER_PID=""
+  wait_for lcm-logplayer -s "$SPEED" -e 'LASER|ODOMETRY|INS|SENSOR_INFO|GROUND_TRUTH|SIM_INFO' "$1" >"$OUT/log/logplayer.log" 2>&1 ||
+    die "lcm-logplayer failed; see $OUT/log/logplayer.log"
 }
 
 # The input has ended: let every process settle in the order in which data flows, stop all, make the results.
@@ -151,38 +167,49 @@ end_run() {
       map_builder | semantic_classifier) order+=("$name") ;;
     esac
   done
-  "$BIN/modslam-conduct" --timeout 60 settle "${order[@]}" || echo "run.sh: not every process settled; the result may lack its last part" >&2
+  wait_for "$BIN/modslam-conduct" --timeout 60 settle "${order[@]}" || echo "run.sh: not every process settled; the result may lack its last part" >&2
   sleep 0.3  # the logger writes what it has
   "$BIN/modslam-conduct" status >"$OUT/status.txt" 2>/dev/null || true
   stop_run
   ENDED=yes
+  say_restarts
   make_results "$OUT"
 }
 
-on_signal() {
-  trap - INT TERM
+# A process that died was started again; that is no secret.
+say_restarts() {
+  sed -n 's/.*exited: \([a-z_]*\) (\(.*\); not expected)/\1 \2/p' "$OUT/log/supervisord.log" 2>/dev/null | sort | uniq -c |
+    while read -r times name how; do
+      echo "run.sh: $name ended by itself ($how), $times times, and was started again; its log: $OUT/log/$name.log" >&2
+    done
+}
+
+on_signal() {  # exit code
+  trap '' INT TERM
   echo >&2
   stop_run
+  trap - INT TERM
   # A run that was cut short still has its log; whoever wants results from it gets them.
   if [[ -z $ENDED && -s $OUT/run.lcm ]]; then
     echo "Stopped. The log is $OUT/run.lcm; making what results it gives." >&2
     make_results "$OUT" || true
   fi
-  exit 130
+  exit "$1"
 }
 
 stop_run() {
   trap - EXIT
-  [[ -n ${PLAYER_PID:-} ]] && kill "$PLAYER_PID" 2>/dev/null || true
-  if [[ -n $SUPERVISOR_PID ]] && kill -0 "$SUPERVISOR_PID" 2>/dev/null; then
-    kill -TERM "$SUPERVISOR_PID"
-    wait "$SUPERVISOR_PID" 2>/dev/null || true
-  fi
+  [[ -n $WAITING_PID ]] && kill "$WAITING_PID" 2>/dev/null || true
+  is_supervisor "$SUPERVISOR_PID" && kill -TERM "$SUPERVISOR_PID"
+  [[ -n $SUPERVISOR_PID ]] && wait "$SUPERVISOR_PID" 2>/dev/null || true
   SUPERVISOR_PID=""
   [[ -n ${SOCKET_DIR:-} ]] && rm -rf "$SOCKET_DIR"
+  rm -f "$OUT/mended.lcm"
   [[ -e $CURRENT ]] && grep -qF "OUT=$(printf '%q' "$OUT")" "$CURRENT" && rm -f "$CURRENT"
   return 0
 }
+
+is_supervisor() { [[ -n $1 ]] && tr '\0' ' ' 2>/dev/null <"/proc/$1/cmdline" | grep -q supervisord; }
 
 # The world of a simulated run stands in its log; others have none.
 make_results() {
@@ -212,10 +239,14 @@ stop_current() {
   [[ -e $CURRENT ]] || { echo "no run is going on"; return 0; }
   # shellcheck disable=SC1090
   source "$CURRENT"
-  if kill -0 "$SUPERVISOR_PID" 2>/dev/null; then
+  # The launcher ends its run and makes the results; when it is gone itself, the processes are asked.
+  if tr '\0' ' ' 2>/dev/null <"/proc/$LAUNCHER_PID/cmdline" | grep -q run.sh; then
+    kill -TERM "$LAUNCHER_PID"
+    tail --pid="$LAUNCHER_PID" -s 0.1 -f /dev/null
+  elif is_supervisor "$SUPERVISOR_PID"; then
     kill -TERM "$SUPERVISOR_PID"
-    while kill -0 "$SUPERVISOR_PID" 2>/dev/null; do sleep 0.1; done
-    echo "stopped; results and log: $OUT"
+    tail --pid="$SUPERVISOR_PID" -s 0.1 -f /dev/null
   fi
   rm -f "$CURRENT"
+  echo "stopped; log and results: $OUT"
 }

@@ -8,7 +8,6 @@
 #include "common/bus/modules.hpp"
 #include "common/bus/simulation_messages.hpp"
 #include "common/bus/system_config.hpp"
-#include "common/world/step_period.hpp"
 
 namespace modslam {
 namespace {
@@ -22,35 +21,27 @@ class OdometryModule : public Module {
         period_(config_.rate_hz, WorldSimulation::kSteps_per_s),
         odometry_(odometry_noise(config_.noise), seed_) {
     if (config_.driver != "simulated") return;
-    bus.subscribe<sim_state_t>(channel::kSimState,
-                               [this](const sim_state_t& m) { on_state(to_simulation_state(m)); });
+    states_.emplace(bus, [this](const SimulationState& state, bool anew) { on_state(state, anew); });
   }
 
   std::string words() const override {
-    if (config_.driver != "simulated") return "driver none";
-    return "simulated wheels, noise " + config_.noise + ", " + std::to_string(lost_) +
+    if (!states_) return "driver none";
+    return "simulated wheels, noise " + config_.noise + ", " + std::to_string(states_->lost()) +
            " states missed";
   }
 
  private:
-  void on_state(const SimulationState& state) {
-    count_lost(state.step);
-    if (!period_.due(state.step)) return;
-    if (!last_ || state.step < last_->step)  // the first, or the simulation began anew
+  void on_state(const SimulationState& state, bool anew) {
+    if (anew) {
       odometry_ = NoisyOdometry(odometry_noise(config_.noise), seed_);
-    else  // wheel counts are totals: a state that was lost takes nothing away
+      last_.reset();
+    }
+    if (!period_.due(state.step)) return;
+    if (last_)  // wheel counts are totals: a state that was lost takes nothing away
       odometry_.advance(state.wheel_distance_m - last_->wheel_distance_m,
                         state.wheel_turn_rad - last_->wheel_turn_rad);
     publish(state);
     last_ = state;
-  }
-
-  void count_lost(std::int64_t step) {
-    if (newest_step_ >= 0 && step > newest_step_ + 1) {
-      lost_ += step - newest_step_ - 1;
-      bus_.count_gap(channel::kSimState, step - newest_step_ - 1);
-    }
-    newest_step_ = step;
   }
 
   void publish(const SimulationState& state) {
@@ -68,7 +59,7 @@ class OdometryModule : public Module {
   StepPeriod period_;
   NoisyOdometry odometry_;
   std::optional<SimulationState> last_;
-  std::int64_t newest_step_ = -1, lost_ = 0;
+  std::optional<SimulationStates> states_;
 };
 
 }  // namespace

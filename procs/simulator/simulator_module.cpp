@@ -19,6 +19,7 @@ namespace modslam {
 namespace {
 
 constexpr double kTruthRate_hz = 20;
+constexpr double kInfoRate_hz = 0.2;
 constexpr std::int64_t kMaxStepsPerTick = 100;  // a machine that falls behind slows the world down
 
 class SimulatorModule : public Module {
@@ -29,14 +30,13 @@ class SimulatorModule : public Module {
         noise_(config.odometry.noise),
         world_(load_world(config_.world)),
         simulation_(world_, route_of(world_, config_.route), config_.people),
-        truth_period_(kTruthRate_hz, WorldSimulation::kSteps_per_s) {}
+        truth_period_(kTruthRate_hz, WorldSimulation::kSteps_per_s),
+        info_period_(kInfoRate_hz, WorldSimulation::kSteps_per_s),
+        info_(describe()) {}
 
   bool step() override {
     if (simulation_.state().finished) return false;
-    if (!started_)
-      publish_info();
-    else
-      simulation_.advance();
+    if (started_) simulation_.advance();
     started_ = true;
     publish_state();
     return true;
@@ -66,22 +66,28 @@ class SimulatorModule : public Module {
   }
 
  private:
-  void publish_info() {
+  sim_info_t describe() const {
     sim_info_t message{};
-    message.utime = simulation_.utime();
     message.world = std::filesystem::path(config_.world).filename().string();
     message.world_sha256 = sha256(read_file_bytes(config_.world).bytes);
     message.route = config_.route;
     message.noise = noise_;
     message.seed = config_.seed;
     put(message.T_world_start, simulation_.state().T_world_base);
-    bus_.publish(channel::kSimInfo, message);
+    return message;
+  }
+
+  /// At the start and every five seconds: who comes later must know the world too.
+  void publish_info() {
+    info_.utime = simulation_.utime();
+    bus_.publish(channel::kSimInfo, info_);
   }
 
   void publish_state() {
     const SimulationState& state = simulation_.state();
     bus_.saw_utime(simulation_.utime());
     bus_.publish(channel::kSimState, to_message(state));
+    if (info_period_.due(state.step)) publish_info();
     if (!truth_period_.due(state.step)) return;
     bot_core::pose_t truth =
         to_message(TimedPose{simulation_.utime(), state.T_world_base, state.yaw_rate});
@@ -101,7 +107,8 @@ class SimulatorModule : public Module {
   std::string noise_;
   World world_;
   WorldSimulation simulation_;
-  StepPeriod truth_period_;
+  StepPeriod truth_period_, info_period_;
+  sim_info_t info_;
   bool started_ = false;
   std::int64_t next_step_us_ = 0;
 };

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <modslam/sim_info_t.hpp>
 #include <random>
 #include <set>
 
@@ -219,6 +220,59 @@ TEST_CASE("bad SIM_STATEs are refused and counted by each sensor, and none of th
   sender.publish(channel::kSimState, good);
   stage.drain();
   CHECK(stage.messages.count(channel::kLaser) == 1);
+}
+
+TEST_CASE("a state that comes late is refused, a repeated one passed over, and neither resets a sensor") {
+  SystemConfig config = apartment();
+  Messages expected = batch(config, 1200);
+  Stage stage(config, false);
+  const auto& states = expected.at("SIM_STATE");
+  const auto send = [&](std::size_t step) {
+    stage.transport.publish(channel::kSimState, states[step].data(), static_cast<int>(states[step].size()));
+    stage.drain();
+  };
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    send(k);
+    if (k == 700 || k == 801) send(k - 100);
+    if (k == 900) send(k);
+  }
+  for (const char* channel : {"ODOMETRY", "INS", "LASER", "SENSOR_INFO"}) {
+    INFO(channel);
+    CHECK(stage.messages[channel] == expected.at(channel));
+  }
+  for (const auto& bus : stage.buses) {
+    CHECK(bus->inputs().at(channel::kSimState).bad == 2);
+    CHECK(bus->inputs().at(channel::kSimState).gaps == 0);
+  }
+}
+
+TEST_CASE("a simulation that was started again starts its sensors again") {
+  SystemConfig config = apartment();
+  Messages expected = batch(config, 600);
+  Stage stage(config, false);
+  for (int pass = 0; pass < 2; ++pass)
+    for (const std::string& bytes : expected.at("SIM_STATE")) {
+      stage.transport.publish(channel::kSimState, bytes.data(), static_cast<int>(bytes.size()));
+      stage.drain();
+    }
+  for (const char* channel : {"ODOMETRY", "INS", "LASER"}) {
+    INFO(channel);
+    std::vector<std::string> twice = expected.at(channel);
+    twice.insert(twice.end(), expected.at(channel).begin(), expected.at(channel).end());
+    CHECK(stage.messages[channel] == twice);
+  }
+  for (const auto& bus : stage.buses) CHECK(bus->inputs().at(channel::kSimState).bad == 0);
+}
+
+TEST_CASE("the world is named at the start and every five seconds") {
+  Messages run = batch(apartment(), 1201);
+  REQUIRE(run["SIM_INFO"].size() == 3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto info = decoded<sim_info_t>(run["SIM_INFO"][k]);
+    CHECK(info.utime == WorldSimulation::utime_of(static_cast<std::int64_t>(500 * k)));
+    CHECK(info.world == "apartment.geojson");
+    CHECK(info.world_sha256.size() == 64);
+  }
 }
 
 TEST_CASE("odometry loses nothing but time when states are lost") {

@@ -112,7 +112,7 @@ TEST_CASE("Known paths through public logs score as published for this metric",
                          Known{"fr079", "fr079.clf.xz", 0.058, 0.042, 0.001, 6.987, 14.222}}) {
     const std::string folder = std::string(k.name) + "/" + k.name;
     if (!std::filesystem::exists(data(folder + ".relations"))) {
-      std::cout << "no data of " << k.name << ": skipped\n";
+      WARN("no data of " << k.name << ": skipped");
       continue;
     }
     const auto relations = parse_relations(read_file_bytes(data(folder + ".relations")).bytes);
