@@ -29,7 +29,8 @@ World toy_world() {
 
 json features_of(const World& world, const std::string& kind) {
   json found = json::array();
-  for (const json& f : json::parse(world_truth_geojson(world)).at("features"))
+  const json all = json::parse(world_truth_geojson(world));  // named: a range-for keeps no temporary alive
+  for (const json& f : all.at("features"))
     if (f.at("properties").at("kind") == kind) found.push_back(f);
   return found;
 }
