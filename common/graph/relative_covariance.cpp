@@ -40,10 +40,13 @@ RelativeCovariance::RelativeCovariance(const std::vector<Pose2>& poses, const st
       if (done[other]) continue;
       Eigen::Matrix3d cov_step = edge_covariance_from(*edge);
       const Pose2 T_at_other = between(poses[at], poses[other]);
-      if (!forward) {  // error of the inverse: first order, rotated into the other frame with its lever
-        const Pose2 T_other_at = T_at_other.inverse();
-        Eigen::Matrix3d J = jacobian_left(T_at_other, T_other_at);
+      if (!forward) {
+        // The edge errs in the frame of `other`. d inverse(T) = -[R' (dt - J t dheading), dheading], and for t = R' t of the
+        // inverse that is, up to the common sign, [R_at_other dt + (y, -x) of T_at_other dheading, dheading].
+        Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
         J.topLeftCorner<2, 2>() = rotation(T_at_other.heading);
+        J(0, 2) = -T_at_other.y;
+        J(1, 2) = T_at_other.x;
         cov_step = J * cov_step * J.transpose();
       }
       const Eigen::Matrix3d cov = compose_covariance(T_source_at, covariance_[at], T_at_other, cov_step);

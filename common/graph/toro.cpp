@@ -87,6 +87,8 @@ OptimizeResult optimize_toro(PoseGraph& graph, const OptimizeOptions& options) {
   };
 
   std::vector<Pose2> best = graph.poses;
+  double last_chi2 = result.chi2_before;
+  int still = 0;
   const int sweeps = std::max(options.max_iterations, 30);
   for (int sweep = 1; sweep <= sweeps; ++sweep) {
     // Preconditioner: how firmly the edges hold each parameter.
@@ -121,13 +123,15 @@ OptimizeResult optimize_toro(PoseGraph& graph, const OptimizeOptions& options) {
     for (std::size_t v = 1; v < n; ++v) graph.poses[v] = Pose2(pose_of(static_cast<NodeId>(v)));
     for (Pose2& pose : graph.poses) pose.heading = wrap_angle(pose.heading);
     result.iterations = sweep;
-    const double chi2 = graph_chi2(graph), change = std::abs(result.chi2_after - chi2);
+    const double chi2 = graph_chi2(graph);
+    // A sweep may only hand an error from one edge to the next: chi2 has settled when it stands still three times.
+    still = std::abs(last_chi2 - chi2) <= options.stop_relative * chi2 ? still + 1 : 0;
+    last_chi2 = chi2;
     if (chi2 < result.chi2_after) {
-      const bool settled = change <= options.stop_relative * chi2;
       result.chi2_after = chi2;
       best = graph.poses;
-      if (settled) break;
     }
+    if (still == 3) break;
   }
   graph.poses = std::move(best);
   return result;
