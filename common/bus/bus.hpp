@@ -73,6 +73,11 @@ class Bus {
     });
   }
 
+  /// Every message on channels that match the regular expression, undecoded and uncounted.
+  void subscribe_bytes(const std::string& channels, Transport::RawHandler on_bytes) {
+    transport_.subscribe(channels, std::move(on_bytes));
+  }
+
   template <class Message>
   void publish(const std::string& channel, const Message& message) {
     const int size = message.getEncodedSize();

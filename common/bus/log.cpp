@@ -92,16 +92,22 @@ std::string LogReader::damage() const {
          " places, first at byte " + std::to_string(first_skip_);
 }
 
-LogWriter::LogWriter(const std::string& path) : path_(path), temporary_(path + ".part") {
+LogWriter::LogWriter(const std::string& path, Mode mode)
+    : path_(path), temporary_(mode == kAppend ? path : path + ".part"), mode_(mode) {
   errno = 0;
-  file_ = std::fopen(temporary_.c_str(), "wb");
+  file_ = std::fopen(temporary_.c_str(), mode == kAppend ? "ab" : "wb");
   if (!file_) fail(temporary_, "cannot be written");
 }
 
 LogWriter::~LogWriter() {
   if (!file_) return;
   std::fclose(file_);
-  std::remove(temporary_.c_str());
+  if (mode_ == kWhole) std::remove(temporary_.c_str());
+}
+
+void LogWriter::flush() {
+  errno = 0;
+  if (std::fflush(file_) != 0) fail(temporary_, "cannot be written");
 }
 
 void LogWriter::write(std::int64_t utime, const std::string& channel, const void* bytes, int size) {
@@ -124,7 +130,7 @@ void LogWriter::close() {
   const bool closed = std::fclose(file_) == 0;
   file_ = nullptr;
   if (!written || !closed) fail(temporary_, "cannot be written");
-  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be written");
+  if (mode_ == kWhole && std::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be written");
 }
 
 }  // namespace modslam

@@ -36,8 +36,12 @@ class LogReader {
 
 class LogWriter {
  public:
-  /// Writes beside `path` and takes its name in close(). @throws std::runtime_error when it cannot be written.
-  explicit LogWriter(const std::string& path);
+  enum Mode {
+    kWhole,   ///< writes beside `path` and takes its name in close(): there is the whole file, or the old one
+    kAppend,  ///< writes to `path` itself, after what is there: readable at any moment, however it ends
+  };
+  /// @throws std::runtime_error when it cannot be written.
+  explicit LogWriter(const std::string& path, Mode mode = kWhole);
   ~LogWriter();
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
@@ -48,11 +52,14 @@ class LogWriter {
     message.encode(buffer.data(), 0, static_cast<int>(buffer.size()));
     write(utime, channel, buffer.data(), static_cast<int>(buffer.size()));
   }
+  /// Hands what was written to the system. @throws std::runtime_error (disk full).
+  void flush();
   /// Flushes to disk and renames. @throws std::runtime_error (disk full, read-only).
   void close();
 
  private:
   std::string path_, temporary_;
+  Mode mode_;
   std::FILE* file_ = nullptr;
   std::int64_t number_ = 0;
 };

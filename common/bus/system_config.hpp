@@ -33,6 +33,14 @@ struct LaunchConfig {
   }
 };
 
+/// Where a run is recorded; the launcher sets it.
+struct RecorderConfig {
+  static constexpr const char* kTable = "recorder";
+  std::string path = "run.lcm";
+
+  void visit(ConfigVisitor& v) { v.text("path", path, "LCM log that everything on the bus is written to."); }
+};
+
 struct SystemConfig {
   LaunchConfig launch;
   OdometryModelConfig odometry_model;
@@ -41,6 +49,7 @@ struct SystemConfig {
   LoopDetectorConfig loop_detector;
   MapBuilderConfig map_builder;
   SemanticsConfig semantics;
+  RecorderConfig recorder;
   ViewerConfig viewer;
   SimulatorConfig simulator;
   LaserConfig laser;
@@ -57,6 +66,7 @@ struct SystemConfig {
     visit(loop_detector);
     visit(map_builder);
     visit(semantics);
+    visit(recorder);
     visit(viewer);
     visit(simulator);
     visit(laser);

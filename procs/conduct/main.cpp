@@ -57,6 +57,10 @@ class Conductor {
     });
     for (const auto& name : names)
       if (!heard_.count(name)) std::cerr << name << " has not spoken within " << seconds << " s" << std::endl;
+    // Who started early spoke of its parameters when nobody recorded yet.
+    command_t command{};
+    command.verb = "parameters";
+    bus_.publish(channel::kCommand, command);
     return all;
   }
 

@@ -67,7 +67,8 @@ start_run() {
   fi
   SOCKET_DIR=$(mktemp -d "${TMPDIR:-/tmp}/modslam-XXXXXX")
   # The simulated world waits until everybody listens: it is started after the others.
-  local first=() late=() name
+  local first=(recorder) late=() name
+  OVERRIDES+=(--set "recorder.path=$OUT/run.lcm")
   for name in $sources; do [[ $name == simulator ]] && late+=("$name") || first+=("$name"); done
   for name in $(mapping_processes); do first+=("$name"); done
   write_supervisor_file "${first[*]}" "${late[*]:-}" >"$OUT/supervisor.conf"
@@ -98,9 +99,7 @@ serverurl=unix://$SOCKET_DIR/supervisor.sock
 [rpcinterface:supervisor]
 supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
 INI
-  # The logger starts first and stops last.
-  program logger 1 true "lcm-logger -q -a -v -c ^SIM_STATE\$ $OUT/run.lcm"
-  local name priority=10
+  local name priority=10  # supervisor starts in this order and stops in the other
   for name in $1; do program "$name" $((priority++)) true "$(command_of "$name")"; done
   for name in $2; do program "$name" $((priority++)) false "$(command_of "$name")"; done
 }
@@ -168,7 +167,7 @@ end_run() {
     esac
   done
   wait_for "$BIN/modslam-conduct" --timeout 60 settle "${order[@]}" || echo "run.sh: not every process settled; the result may lack its last part" >&2
-  sleep 0.3  # the logger writes what it has
+  sleep 0.3  # the recorder writes what it has
   "$BIN/modslam-conduct" status >"$OUT/status.txt" 2>/dev/null || true
   stop_run
   ENDED=yes
