@@ -199,7 +199,7 @@ on_signal() {  # exit code
 stop_run() {
   trap - EXIT
   [[ -n $WAITING_PID ]] && kill "$WAITING_PID" 2>/dev/null || true
-  is_supervisor "$SUPERVISOR_PID" && kill -TERM "$SUPERVISOR_PID"
+  is_program "$SUPERVISOR_PID" supervisord && kill -TERM "$SUPERVISOR_PID"
   [[ -n $SUPERVISOR_PID ]] && wait "$SUPERVISOR_PID" 2>/dev/null || true
   SUPERVISOR_PID=""
   [[ -n ${SOCKET_DIR:-} ]] && rm -rf "$SOCKET_DIR"
@@ -208,7 +208,7 @@ stop_run() {
   return 0
 }
 
-is_supervisor() { [[ -n $1 ]] && tr '\0' ' ' 2>/dev/null <"/proc/$1/cmdline" | grep -q supervisord; }
+is_program() { [[ -n $1 ]] && tr '\0' ' ' 2>/dev/null <"/proc/$1/cmdline" | grep -q "$2"; }  # pid, part of its command
 
 # The world of a simulated run stands in its log; others have none.
 make_results() {
@@ -239,13 +239,10 @@ stop_current() {
   # shellcheck disable=SC1090
   source "$CURRENT"
   # The launcher ends its run and makes the results; when it is gone itself, the processes are asked.
-  if tr '\0' ' ' 2>/dev/null <"/proc/$LAUNCHER_PID/cmdline" | grep -q run.sh; then
-    kill -TERM "$LAUNCHER_PID"
-    tail --pid="$LAUNCHER_PID" -s 0.1 -f /dev/null
-  elif is_supervisor "$SUPERVISOR_PID"; then
-    kill -TERM "$SUPERVISOR_PID"
-    tail --pid="$SUPERVISOR_PID" -s 0.1 -f /dev/null
-  fi
+  local pid=$LAUNCHER_PID program=run.sh
+  is_program "$pid" "$program" || pid=$SUPERVISOR_PID program=supervisord
+  ! is_program "$pid" "$program" || kill -TERM "$pid"
+  while is_program "$pid" "$program"; do sleep 0.1; done
   rm -f "$CURRENT"
   echo "stopped; log and results: $OUT"
 }
