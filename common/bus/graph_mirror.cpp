@@ -12,7 +12,14 @@ namespace {
 constexpr std::int64_t kRequestEvery_us = 500'000;
 constexpr NodeId kMaxNodes = 10'000'000;
 
+void check_node(NodeId id) {
+  if (id < 0 || id > kMaxNodes) throw BadMessage("node id " + std::to_string(id));
+}
+
 GraphEdge to_edge(const graph_edge_t& message) {
+  check_node(message.from_node);
+  check_node(message.to_node);
+  if (message.from_node == message.to_node) throw BadMessage("an edge from node " + std::to_string(message.to_node) + " to itself");
   GraphEdge edge;
   edge.id = message.id;
   edge.from = message.from_node;
@@ -21,6 +28,18 @@ GraphEdge to_edge(const graph_edge_t& message) {
   edge.T_from_to = to_pose(message.T_from_to);
   edge.information = to_symmetric(message.information);
   return edge;
+}
+
+/// Refuses the whole message before any part of it is taken in.
+void check(const graph_update_t& message) {
+  if (message.nchunks < 1 || message.nchunks > 100000 || message.chunk < 0 || message.chunk >= message.nchunks)
+    throw BadMessage("chunk " + std::to_string(message.chunk) + " of " + std::to_string(message.nchunks));
+  if (message.nnodes < 0 || message.nnodes > kMaxNodes) throw BadMessage("impossible number of nodes");
+  for (const graph_edge_t& edge : message.edges) to_edge(edge);
+  for (const node_pose_t& pose : message.poses) {
+    check_node(pose.id);
+    to_pose(pose.T_map_base);
+  }
 }
 
 }  // namespace
@@ -37,7 +56,7 @@ bool GraphMirror::complete() const {
 }
 
 void GraphMirror::take_node(const graph_node_t& message) {
-  if (message.id < 0 || message.id > kMaxNodes) throw BadMessage("node id " + std::to_string(message.id));
+  check_node(message.id);
   MirrorNode node{message.id, message.utime, to_pose(message.T_map_base), to_sensor_info(message.sensor),
                   to_scan(message.scan)};
   bus_.saw_utime(message.utime);
@@ -63,9 +82,7 @@ void GraphMirror::append_ready_nodes() {
 }
 
 void GraphMirror::take_update(const graph_update_t& message) {
-  if (message.nchunks < 1 || message.nchunks > 100000 || message.chunk < 0 || message.chunk >= message.nchunks)
-    throw BadMessage("chunk " + std::to_string(message.chunk) + " of " + std::to_string(message.nchunks));
-  if (message.nnodes < 0 || message.nnodes > kMaxNodes) throw BadMessage("impossible number of nodes");
+  check(message);
   bus_.saw_utime(message.utime);
   newest_seq_ = std::max(newest_seq_, message.seq);
   announced_nodes_ = std::max(announced_nodes_, message.nnodes);
@@ -106,7 +123,6 @@ void GraphMirror::apply(const std::vector<graph_update_t>& chunks) {
 }
 
 void GraphMirror::set_pose(NodeId id, const Pose2& T_map_base, std::vector<NodeId>& moved) {
-  if (id < 0 || id > kMaxNodes) throw BadMessage("node id " + std::to_string(id));
   if (id >= static_cast<NodeId>(nodes_.size())) {
     early_poses_[id] = T_map_base;
     return;
@@ -125,8 +141,13 @@ void GraphMirror::take_pose(const pose_estimate_t& message) {
 void GraphMirror::request(bool urgent) {
   if (!urgent && bus_.utime() - last_request_utime_ < kRequestEvery_us) return;
   last_request_utime_ = bus_.utime();
-  if (!early_nodes_.empty())
-    bus_.count_gap(channel::kNode, early_nodes_.begin()->first - static_cast<NodeId>(nodes_.size()));
+  // Each missing node counts once, however often it is asked for.
+  const NodeId first = std::max(static_cast<NodeId>(nodes_.size()), counted_nodes_);
+  const NodeId end = early_nodes_.empty() ? announced_nodes_ : early_nodes_.begin()->first;
+  if (end > first) {
+    bus_.count_gap(channel::kNode, end - first);
+    counted_nodes_ = end;
+  }
   sync_request_t message{};
   message.utime = bus_.utime();
   message.requester = bus_.name();
@@ -141,7 +162,7 @@ void GraphMirror::reset() {
   early_poses_.clear();
   edges_.clear();
   chunks_.clear();
-  seq_ = newest_seq_ = epoch_ = announced_nodes_ = 0;
+  seq_ = newest_seq_ = epoch_ = announced_nodes_ = counted_nodes_ = 0;
   if (on_reset) on_reset();
 }
 

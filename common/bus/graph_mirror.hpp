@@ -65,6 +65,7 @@ class GraphMirror {
   std::map<std::pair<std::int64_t, bool>, std::map<int, graph_update_t>> chunks_;  ///< by (seq, snapshot)
   std::int64_t seq_ = 0, newest_seq_ = 0, epoch_ = 0;
   NodeId announced_nodes_ = 0;
+  NodeId counted_nodes_ = 0;  ///< gaps below this one are in the status already
   std::int64_t last_request_utime_ = 0;
 };
 
