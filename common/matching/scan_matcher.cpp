@@ -91,6 +91,13 @@ ScanMatcher::Attempt ScanMatcher::attempt(const std::vector<OrientedPoint>& poin
   options.prior_information = cov_guess.inverse();
   attempt.fit = refine(points, submap_, coarse.T_map_base, options);
   attempt.observed = observed_information(attempt.fit);
+  Eigen::Vector3d d = attempt.fit.T_map_base.vector() - guess.vector();
+  d[2] = wrap_angle(d[2]);
+  if (attempt.observed.degenerate) {
+    // Remapping: where the scan saw nothing the search has wandered by chance; odometry's guess stands there.
+    d -= attempt.observed.unobserved * d;
+    attempt.fit.T_map_base = {guess.x + d[0], guess.y + d[1], wrap_angle(guess.heading + d[2])};
+  }
 
   MatchFigures& figures = attempt.figures;
   figures.score = coarse.score;
@@ -101,8 +108,6 @@ ScanMatcher::Attempt ScanMatcher::attempt(const std::vector<OrientedPoint>& poin
   figures.points = attempt.fit.pairs;
   figures.iterations = attempt.fit.iterations;
   figures.free_violation = free_violation(points, sensor, attempt.fit.T_map_base);
-  Eigen::Vector3d d = attempt.fit.T_map_base.vector() - guess.vector();
-  d[2] = wrap_angle(d[2]);
   figures.innovation = d.dot(cov_guess.ldlt().solve(d));
   attempt.verdict = judge(attempt);
   return attempt;

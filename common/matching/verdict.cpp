@@ -28,7 +28,7 @@ Observed observed_information(const RefineResult& fit, double max_sigma_m) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H);
 
   Observed out;
-  Eigen::Matrix3d kept = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d kept = Eigen::Matrix3d::Zero(), dropped = Eigen::Matrix3d::Zero();
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d v = eigen.eigenvectors().col(k);
     const double lambda = eigen.eigenvalues()[k], spurious = v.dot(S * v);
@@ -36,12 +36,14 @@ Observed observed_information(const RefineResult& fit, double max_sigma_m) {
     if (lambda < 5 * spurious || honest <= 0 || 1 / std::sqrt(honest) > max_sigma_m) {
       if (!out.degenerate) out.degenerate_rad = std::atan2(v.y(), v.x());
       out.degenerate = true;
+      dropped += v * v.transpose();
     } else {
       kept += (lambda - spurious) * v * v.transpose();
     }
   }
   const Eigen::Matrix3d D_inverse = scale.cwiseInverse().asDiagonal();
   out.information = D_inverse * kept * D_inverse;
+  out.unobserved = D * dropped * D_inverse;
   return out;
 }
 
