@@ -227,14 +227,14 @@ std::vector<Layer> draw_layers(const Sheet& sheet, const RunRecord& run, const R
   layers.push_back({"rooms", "rooms", draw_rooms(sheet, run.semantics.rooms.items())});
   if (world && r.error)
     layers.push_back({"world", "the world as it is",
-                      draw_world(sheet, *world, r.error->T_world_map_best.inverse())});
+                      draw_world(sheet, *world, r.error->best.T_world_map.inverse())});
   layers.push_back({"objects", "objects", draw_objects(sheet, run.semantics.objects.items())});
   layers.push_back({"walls", "walls", draw_walls(sheet, run.semantics.walls.items())});
   layers.push_back({"doors", "doors", draw_doors(sheet, run.semantics.doors.items())});
   if (r.error) {
     Points truth;
-    for (const TruthPair& p : r.error->pairs)
-      truth.push_back((r.error->T_world_map_best.inverse() * p.T_world_base).translation());
+    for (const PosePair& p : r.error->pairs)
+      truth.push_back((r.error->best.T_world_map.inverse() * p.T_world_base).translation());
     layers.push_back({"truth", "true path", draw_path(sheet, truth, "truth")});
   }
   if (!run.odometry.empty() && !r.path.empty()) {

@@ -69,7 +69,7 @@ std::string header(const RunRecord& run, const Results& r) {
   const SemanticRecord& s = run.semantics;
   std::string facts;
   if (r.error) {
-    const ErrorFigures e = figures(r.error->first.position_m);
+    const Statistics& e = r.error->first.position_m;
     facts += fact(centimetres(e.mean), "mean path error, at most " + centimetres(e.max));
   }
   facts += fact(number(r.path_length_m) + " m", "path, driven in " + clock_time(r.duration_s));
@@ -114,10 +114,10 @@ std::string error_table(const Results& r) {
   if (!r.error) return "<p class=\"note\">The log holds no ground truth.</p>\n";
   Table table({"path", "laid over the truth by", "#mean", "#rms", "#max", "#heading mean",
                "#heading rms", "#heading max"});
-  const auto add = [&](const char* name, const char* how, const PathError& e) {
-    const ErrorFigures p = figures(e.position_m), h = figures(e.heading_rad);
+  const auto add = [&](const char* name, const char* how, const AbsoluteError& e) {
+    const Statistics &p = e.position_m, &h = e.heading_deg;
     const auto metres = [](double v) { return fixed(v, 3) + " m"; };
-    const auto degrees = [](double v) { return fixed(v * 180 / kPi, 2) + "°"; };
+    const auto degrees = [](double v) { return fixed(v, 2) + "°"; };
     table.row({name, how, metres(p.mean), metres(p.rms), metres(p.max), degrees(h.mean),
                degrees(h.rms), degrees(h.max)});
   };

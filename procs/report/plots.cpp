@@ -39,9 +39,8 @@ std::string time_ticks(const TimeAxis& axis, double top, double bottom) {
 
 struct Series {
   const char* style;
-  const std::vector<TruthPair>* pairs;
-  const std::vector<double>* errors;
-  double unit;
+  const std::vector<PosePair>* pairs;
+  const std::vector<double>* errors;  ///< of either sign
 };
 
 /// Errors span decades: the axis is logarithmic, between whole decades.
@@ -58,8 +57,8 @@ DecadeAxis decades_of(const std::vector<Series>& series, double top, double bott
   std::vector<double> all;
   for (const Series& s : series)
     for (const double e : *s.errors) {
-      most = std::max(most, e * s.unit);
-      if (e > 0) all.push_back(e * s.unit);
+      most = std::max(most, std::abs(e));
+      if (e != 0) all.push_back(std::abs(e));
     }
   if (all.empty()) return {-3, 0, top, bottom};
   const auto few = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 50);
@@ -72,9 +71,9 @@ DecadeAxis decades_of(const std::vector<Series>& series, double top, double bott
 Points worst_by_column(const Series& s, const TimeAxis& time, const DecadeAxis& value) {
   std::map<int, double> worst;
   for (std::size_t i = 0; i < s.pairs->size(); ++i) {
-    const int column = static_cast<int>(time.px(time.seconds((*s.pairs)[i].utime)));
+    const int column = static_cast<int>(time.px(time.seconds(std::llround(1e6 * (*s.pairs)[i].stamp_s))));
     double& e = worst[column];
-    e = std::max(e, (*s.errors)[i] * s.unit);
+    e = std::max(e, std::abs((*s.errors)[i]));
   }
   Points points;
   for (const auto& [column, e] : worst)
@@ -172,12 +171,12 @@ std::string error_plots(const Results& r) {
   std::vector<Series> position, heading;
   if (r.odometry_error) {
     position.push_back(
-        {"odometry", &r.odometry_error->pairs, &r.odometry_error->first.position_m, 1});
+        {"odometry", &r.odometry_error->pairs, &r.odometry_error->first.positions_m});
     heading.push_back(
-        {"odometry", &r.odometry_error->pairs, &r.odometry_error->first.heading_rad, 180 / kPi});
+        {"odometry", &r.odometry_error->pairs, &r.odometry_error->first.headings_deg});
   }
-  position.push_back({"ours", &r.error->pairs, &r.error->first.position_m, 1});
-  heading.push_back({"ours", &r.error->pairs, &r.error->first.heading_rad, 180 / kPi});
+  position.push_back({"ours", &r.error->pairs, &r.error->first.positions_m});
+  heading.push_back({"ours", &r.error->pairs, &r.error->first.headings_deg});
   std::string keys = "<div class=\"legend\"><span><i class=\"swatch path\"></i>ModSLAM</span>";
   if (r.odometry_error) keys += "<span><i class=\"swatch odometry\"></i>odometry alone</span>";
   return keys + "</div>\n" +

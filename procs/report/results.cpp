@@ -9,7 +9,6 @@
 namespace modslam::report {
 namespace {
 
-constexpr std::int64_t kTruthGap_us = 500'000;
 constexpr int kMapMargin_cells = 10;
 
 void measure_time(const RunRecord& run, Results& out) {
@@ -59,13 +58,16 @@ void assemble_map(const RunRecord& run, Results& out) {
 
 std::optional<TruthComparison> compare(const std::vector<PathPose>& path,
                                        const std::vector<PathPose>& truth) {
+  const auto in_seconds = [](const std::vector<PathPose>& poses) {
+    Path out;
+    for (const PathPose& p : poses) out.push_back({1e-6 * static_cast<double>(p.utime), p.pose});
+    return out;
+  };
   TruthComparison c;
-  c.pairs = pair_path_with_truth(path, truth, kTruthGap_us);
+  c.pairs = pair_with_truth(in_seconds(path), in_seconds(truth));
   if (c.pairs.empty()) return std::nullopt;
-  c.T_world_map_first = *lay_by_first_pose(c.pairs);
-  c.T_world_map_best = *lay_by_least_squares(c.pairs);
-  c.first = path_error(c.pairs, c.T_world_map_first);
-  c.best = path_error(c.pairs, c.T_world_map_best);
+  c.first = absolute_error(c.pairs, align_first(c.pairs));
+  c.best = absolute_error(c.pairs, align_least_squares(c.pairs));
   return c;
 }
 

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/evaluation/trajectory_error.hpp"
+#include "common/evaluation/truth.hpp"
+#include "common/geometry/path_pose.hpp"
 #include "common/maps/mosaic.hpp"
 #include "procs/report/run_record.hpp"
 
@@ -14,9 +15,8 @@ namespace modslam::report {
 
 /// A path laid over the true one in two ways: by its first pose, and by least squares.
 struct TruthComparison {
-  std::vector<TruthPair> pairs;
-  Pose2 T_world_map_first, T_world_map_best;
-  PathError first, best;
+  std::vector<PosePair> pairs;
+  AbsoluteError first, best;
 };
 
 struct Results {

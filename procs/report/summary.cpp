@@ -11,17 +11,14 @@ namespace {
 
 double rounded(double value) { return std::isfinite(value) ? std::round(value * 1e6) / 1e6 : 0.0; }
 
-Json figures_json(const std::vector<double>& errors, double unit) {
-  const ErrorFigures f = figures(errors);
-  return {{"mean", rounded(f.mean * unit)},
-          {"rms", rounded(f.rms * unit)},
-          {"max", rounded(f.max * unit)}};
+Json figures_json(const Statistics& f) {
+  return {{"mean", rounded(f.mean)}, {"rms", rounded(f.rms)}, {"max", rounded(f.max)}};
 }
 
 Json comparison_json(const TruthComparison& c) {
-  const auto one = [](const PathError& e) -> Json {
-    return {{"position_m", figures_json(e.position_m, 1)},
-            {"heading_deg", figures_json(e.heading_rad, 180 / kPi)}};
+  const auto one = [](const AbsoluteError& e) -> Json {
+    return {{"position_m", figures_json(e.position_m)},
+            {"heading_deg", figures_json(e.heading_deg)}};
   };
   return {{"poses_compared", c.pairs.size()},
           {"aligned_at_first_pose", one(c.first)},

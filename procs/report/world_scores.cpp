@@ -27,7 +27,7 @@ Json score_world(const std::string& world_path, const std::string& log_path, con
                  const Results& results) {
   const SemanticMap world = read_world(world_path);
   if (!results.error) return nullptr;
-  const SemanticMap found = transformed(results.error->T_world_map_first,
+  const SemanticMap found = transformed(results.error->first.T_world_map,
                                         parse_semantic_map(semantic_geojson(run.semantics)));
   return to_json(score_semantics(found, world, visible_in(world, read_run_log(log_path).scans)));
 }
