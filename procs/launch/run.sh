@@ -145,10 +145,12 @@ wait_for() {
 
 wait_for_simulation() {
   local name
-  until wait_for "$BIN/modslam-conduct" --timeout 10 ended simulator; do
+  until wait_for "$BIN/modslam-conduct" --timeout 2 ended simulator; do
     kill -0 "$SUPERVISOR_PID" 2>/dev/null || die "the run was stopped"
     for name in simulator $(mapping_processes); do
-      supervisor_control status "$name" | grep -Eq 'RUNNING|STARTING|BACKOFF' || die "$name does not run; see $OUT/log/$name.log"
+      (($(grep -cE "exited: $name \(exit status [1-9]" "$OUT/log/supervisord.log") < 3)) ||
+        die "$name cannot run: $(tail -n 1 "$OUT/log/$name.log")"
+      supervisor_control status "$name" | grep -Eq 'RUNNING|STARTING|BACKOFF|EXITED' || die "$name does not run; see $OUT/log/$name.log"
     done
   done
 }
