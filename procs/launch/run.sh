@@ -5,20 +5,24 @@ readonly CURRENT=${MODSLAM_CURRENT:-$HOUSE/logs/.current}  # names the folder of
 OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED=""
 
 # Options that all runs share; sets OUT, SPEED, CONFIG, OVERRIDES.
-parse_run_options() {
+parse_options() {
   local kind=$1; shift
   while (($#)); do
     case $1 in
-      --out) OUT=${2:?--out: which folder?}; shift 2 ;;
+      --out) OUT=$(here "${2:?--out: which folder?}"); shift 2 ;;
       --speed) SPEED=${2:?--speed: how fast?}; shift 2 ;;
-      --config) CONFIG=$(readlink -f "${2:?--config: which file?}") || die "$2: there is no such file"; shift 2 ;;
+      --config) CONFIG=$(here "${2:?--config: which file?}"); shift 2 ;;
       --set) OVERRIDES+=(--set "${2:?--set: table.key=value}"); shift 2 ;;
       *) die "$kind: unknown option '$1'" ;;
     esac
   done
   [[ $SPEED =~ ^[0-9]*[.]?[0-9]+$ && $SPEED == *[1-9]* ]] || die "--speed $SPEED: not a positive number"
+}
+
+parse_run_options() {
+  parse_options "$@"
   "$BIN/modslam-config" --config "$CONFIG" "${OVERRIDES[@]}" >/dev/null || exit 1
-  OUT=${OUT:-$HOUSE/logs/$(date +%Y-%m-%d_%H-%M-%S)_$kind}
+  OUT=${OUT:-$HOUSE/logs/$(date +%Y-%m-%d_%H-%M-%S)_$1}
   mkdir -p "$OUT" 2>/dev/null && [[ -w $OUT ]] || die "$OUT: cannot be written"
   OUT=$(readlink -f "$OUT")
 }
