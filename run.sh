@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # ModSLAM's one launcher. Every verb is a short function below, or a program that it calls. ./run.sh help
 set -euo pipefail
+readonly CALLER=$PWD  # paths that a person types start there
 cd "$(dirname "$(readlink -f "$0")")"
 readonly HOUSE=$PWD
 readonly BUILD=${MODSLAM_BUILD:-$HOUSE/build}
@@ -50,11 +51,13 @@ live() {
   wait "$SUPERVISOR_PID" || true
 }
 
+here() { [[ $1 == /* ]] && echo "$1" || echo "$CALLER/$1"; }
+
 replay() {
   local log=${1:-}
   [[ -n $log && $log != --* ]] || die "replay: which log? ./run.sh replay LOG [--speed S] [--out DIR]"
+  log=$(here "$log"); shift
   [[ -r $log ]] || die "replay: $log: there is no such file"
-  log=$(readlink -f "$log"); shift
   parse_run_options replay "$@"
   check_log "$log"
   start_run ""
@@ -67,7 +70,7 @@ replay() {
 offline() {
   local log=${1:-}
   [[ -n $log && $log != --* ]] || die "offline: which log? ./run.sh offline LOG --out DIR"
-  shift
+  log=$(here "$log"); shift
   parse_run_options offline "$@"
   local code=0
   "$BIN/modslam-offline" "$log" --out "$OUT" --config "$CONFIG" "${OVERRIDES[@]}" || code=$?
@@ -76,11 +79,15 @@ offline() {
   exit "$code"
 }
 
-import_log() { exec "$BIN/modslam-import" "$@"; }
-simulate() { exec "$BIN/modslam-simulate" "$@"; }
-evaluate() { exec "$BIN/modslam-evaluate" "$@"; }
-report() { make_results "${1:?report: which folder?}"; }
-record() { attach; exec lcm-logger "${1:?record: which file?}"; }
+import_log() { cd "$CALLER"; exec "$BIN/modslam-import" "$@"; }
+simulate() {
+  local log=${1:?simulate: which log shall be written?}; shift
+  parse_options simulate "$@"
+  exec "$BIN/modslam-simulate" "$(here "$log")" --config "$CONFIG" "${OVERRIDES[@]}"
+}
+evaluate() { cd "$CALLER"; exec "$BIN/modslam-evaluate" "$@"; }
+report() { make_results "$(here "${1:?report: which folder?}")"; }
+record() { attach; exec lcm-logger "$(here "${1:?record: which file?}")"; }
 spy() { attach_or_default; exec procs/spy/spy.sh "$BUILD"; }
 view() { attach; page_url; }
 status() { attach; exec "$BIN/modslam-conduct" status; }

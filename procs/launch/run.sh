@@ -5,20 +5,24 @@ readonly CURRENT=${MODSLAM_CURRENT:-$HOUSE/logs/.current}  # names the folder of
 OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED=""
 
 # Options that all runs share; sets OUT, SPEED, CONFIG, OVERRIDES.
-parse_run_options() {
+parse_options() {
   local kind=$1; shift
   while (($#)); do
     case $1 in
-      --out) OUT=${2:?--out: which folder?}; shift 2 ;;
+      --out) OUT=$(here "${2:?--out: which folder?}"); shift 2 ;;
       --speed) SPEED=${2:?--speed: how fast?}; shift 2 ;;
-      --config) CONFIG=$(readlink -f "${2:?--config: which file?}") || die "$2: there is no such file"; shift 2 ;;
+      --config) CONFIG=$(here "${2:?--config: which file?}"); shift 2 ;;
       --set) OVERRIDES+=(--set "${2:?--set: table.key=value}"); shift 2 ;;
       *) die "$kind: unknown option '$1'" ;;
     esac
   done
   [[ $SPEED =~ ^[0-9]*[.]?[0-9]+$ && $SPEED == *[1-9]* ]] || die "--speed $SPEED: not a positive number"
+}
+
+parse_run_options() {
+  parse_options "$@"
   "$BIN/modslam-config" --config "$CONFIG" "${OVERRIDES[@]}" >/dev/null || exit 1
-  OUT=${OUT:-$HOUSE/logs/$(date +%Y-%m-%d_%H-%M-%S)_$kind}
+  OUT=${OUT:-$HOUSE/logs/$(date +%Y-%m-%d_%H-%M-%S)_$1}
   mkdir -p "$OUT" 2>/dev/null && [[ -w $OUT ]] || die "$OUT: cannot be written"
   OUT=$(readlink -f "$OUT")
 }
@@ -144,10 +148,12 @@ wait_for() {
 
 wait_for_simulation() {
   local name
-  until wait_for "$BIN/modslam-conduct" --timeout 10 ended simulator; do
+  until wait_for "$BIN/modslam-conduct" --timeout 2 ended simulator; do
     kill -0 "$SUPERVISOR_PID" 2>/dev/null || die "the run was stopped"
     for name in simulator $(mapping_processes); do
-      supervisor_control status "$name" | grep -Eq 'RUNNING|STARTING|BACKOFF' || die "$name does not run; see $OUT/log/$name.log"
+      (($(grep -cE "exited: $name \(exit status [1-9]" "$OUT/log/supervisord.log") < 3)) ||
+        die "$name cannot run: $(tail -n 1 "$OUT/log/$name.log")"
+      supervisor_control status "$name" | grep -Eq 'RUNNING|STARTING|BACKOFF|EXITED' || die "$name does not run; see $OUT/log/$name.log"
     done
   done
 }

@@ -11,7 +11,7 @@ import zlib
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import system  # noqa: E402
-from system import BIN, RESULTS, Run, check, equal, quick, test  # noqa: E402
+from system import RESULTS, Run, check, equal, quick, settings, test  # noqa: E402
 
 LONGEST_ERROR_M = 0.15
 
@@ -53,13 +53,14 @@ def check_results(folder):
 def demo():
     folder = system.FOLDER / "demo"
     port = system.free_port(kind=system.socket.SOCK_STREAM)
-    settings = ["--set", "simulator.route=A_safe_loop", "--set", "simulator.speed=10", "--set", f"viewer.port={port}"]
-    with Run("demo", "--out", folder, *settings, *semantics_off()) as run:
+    words = settings("simulator.route=A_safe_loop", "simulator.speed=10", f"viewer.port={port}")
+    with Run("demo", "--out", folder, *words) as run:
         run.until_driving()
         names = sorted(name for _, name in run.processes() if name.startswith("modslam-") and name != "modslam-conduct")
-        expected = ["simulator", "laser", "odometry", "ins", "scan-matcher", "graph-optimizer", "loop-detector", "map-builder", "viewer"]
-        if not semantics_off():
-            expected.append("semantic-classifier")
+        expected = ["simulator", "laser", "odometry", "ins", "scan-matcher", "graph-optimizer", "loop-detector", "map-builder",
+                    "semantic-classifier", "viewer"]
+        if "launch.semantics=false" in words:
+            expected.remove("semantic-classifier")
         equal(names, sorted("modslam-" + name for name in expected), "processes")
         equal([name for _, name in run.processes() if name == "lcm-logger"], ["lcm-logger"], "loggers")
         equal(run.wait(), 0, "exit code")
@@ -74,17 +75,12 @@ def demo():
     equal({name: p for name, p in summary["processes"].items() if p["bad"]}, {}, "processes that met bad messages")
 
 
-def semantics_off():
-    """A build without the classifier is tested without it."""
-    return [] if (BIN / "modslam-semantic-classifier").exists() else ["--set", "launch.semantics=false"]
-
-
 @test("two runs side by side do not hear each other")
 def side_by_side():
     routes = {"A_safe_loop": 8, "C_bedroom_full": 8}
     scans = {route: system.count(system.simulated_log(route + ".lcm", f"simulator.route={route}"), "LASER") for route in routes}
-    runs = {route: Run("demo", "--out", system.FOLDER / route, *quick(f"simulator.route={route}", f"simulator.speed={speed}",
-                                                                     "launch.semantics=false")) for route, speed in routes.items()}
+    runs = {route: Run("demo", "--out", system.FOLDER / route, *quick(f"simulator.route={route}",
+                                                                     f"simulator.speed={speed}")) for route, speed in routes.items()}
     try:
         ports = {run.until(lambda run=run: run.current().get("PORT"), 60, "the run notes its port") for run in runs.values()}
         equal(len(ports), 2, "ports")

@@ -13,7 +13,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import system  # noqa: E402
 from system import BIN, Run, check, equal, quick, test  # noqa: E402
 
-DEMO = quick("launch.semantics=false", "simulator.route=A_safe_loop", "simulator.speed=10")
+DEMO = quick("simulator.route=A_safe_loop", "simulator.speed=10")
 
 
 def log_grows(folder, above=300_000):
@@ -56,7 +56,7 @@ def interrupt_early():
 @test("Ctrl-C during a replay stops the player too")
 def interrupt_replay():
     folder = system.FOLDER / "replay"
-    with Run("replay", system.simulated_log("drive.lcm", "simulator.route=A_safe_loop"), "--speed", 5, "--out", folder, *DEMO[:4]) as run:
+    with Run("replay", system.simulated_log("drive.lcm", "simulator.route=A_safe_loop"), "--speed", 5, "--out", folder, *quick()) as run:
         run.until(lambda: log_grows(folder), 60, "the log grows")
         check("lcm-logplayer" in [name for _, name in run.processes()], "no player was seen")
         run.interrupt()

@@ -160,12 +160,17 @@ def succeed(*words, **options):
     return said
 
 
-def quick(*more):
-    """Settings of a run that nobody looks at."""
+def settings(*all_settings):
+    """As words for run.sh; MODSLAM_TEST_SETTINGS adds to them, for trying out another configuration."""
     words = []
-    for setting in ("launch.viewer=false", *more):
+    for setting in (*all_settings, *os.environ.get("MODSLAM_TEST_SETTINGS", "").split()):
         words += ["--set", setting]
     return words
+
+
+def quick(*more):
+    """Settings of a run that nobody looks at."""
+    return settings("launch.viewer=false", *more)
 
 
 def simulated_log(name, *settings):
