@@ -86,7 +86,8 @@ LoopFate GraphEstimator::add_loop(const LoopProposal& loop) {
   }
   std::vector<std::size_t> friends;
   for (std::size_t k = 0; k < waiting_.size(); ++k)
-    if (waiting_[k].to != loop.to && consistent(waiting_[k], loop) &&
+    if (waiting_[k].to != loop.to && waiting_[k].verdict == loop.verdict &&  // one that is blind in a direction confirms nothing there
+        consistent(waiting_[k], loop) &&
         std::all_of(friends.begin(), friends.end(), [&](std::size_t f) { return consistent(waiting_[f], waiting_[k]); }))
       friends.push_back(k);
   if (static_cast<std::int64_t>(friends.size()) >= config_.confirmations) {

@@ -17,6 +17,8 @@ constexpr std::size_t kSearchPoints = 100, kBeams = 60;
 constexpr double kMaxWindow_m = 7.0, kMaxWindow_rad = 0.7;
 constexpr double kMaxFreeViolation = 0.25;
 constexpr double kSigmas = 3.0;
+constexpr double kMaxSigma_m = 0.03;
+constexpr double kMinShare = 0.02;  // of information: niches of a corridor look alike, and a few of their points fix nothing
 
 std::vector<Eigen::Vector2d> thin_out(const std::vector<OrientedPoint>& points, std::size_t most) {
   std::vector<Eigen::Vector2d> chosen;
@@ -161,7 +163,7 @@ LoopProposal LoopDetector::match(const std::vector<Candidate>& pass) const {
   RefineOptions options;
   options.gate_start_m = 0.3;
   const RefineResult fit = refine(now.points_base, map, coarse.T_map_base, options);
-  const Observed observed = observed_information(fit);
+  const Observed observed = observed_information(fit, kMaxSigma_m, kMinShare);
 
   MatchFigures& f = proposal.figures;
   f.score = coarse.score;

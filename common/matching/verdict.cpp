@@ -20,7 +20,7 @@ const char* to_string(Verdict verdict) {
   return "invalid";
 }
 
-Observed observed_information(const RefineResult& fit, double max_sigma_m) {
+Observed observed_information(const RefineResult& fit, double max_sigma_m, double min_share) {
   constexpr double kLever_m = 3.0;
   const Eigen::Vector3d scale(1, 1, 1 / kLever_m);
   const Eigen::Matrix3d D = scale.asDiagonal();
@@ -33,7 +33,8 @@ Observed observed_information(const RefineResult& fit, double max_sigma_m) {
     const Eigen::Vector3d v = eigen.eigenvectors().col(k);
     const double lambda = eigen.eigenvalues()[k], spurious = v.dot(S * v);
     const double honest = lambda - 2 * spurious;
-    if (lambda < 5 * spurious || honest <= 0 || 1 / std::sqrt(honest) > max_sigma_m) {
+    if (lambda < 5 * spurious || honest <= 0 || 1 / std::sqrt(honest) > max_sigma_m ||
+        lambda < min_share * eigen.eigenvalues()[2]) {
       if (!out.degenerate) out.degenerate_rad = std::atan2(v.y(), v.x());
       out.degenerate = true;
       dropped += v * v.transpose();

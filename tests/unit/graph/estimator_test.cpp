@@ -101,6 +101,19 @@ TEST_CASE("wrong loops that disagree with each other are never believed") {
   REQUIRE(ring.estimator.graph().edges.size() == 119);
 }
 
+TEST_CASE("loops that are blind along a corridor do not confirm what another one claims there") {
+  Ring ring;
+  LoopProposal blind = ring.loop(0, 60), other = ring.loop(3, 63);
+  for (LoopProposal* loop : {&blind, &other}) {
+    loop->verdict = Verdict::kDegenerate;
+    loop->information(0, 0) = 0;
+  }
+  REQUIRE(ring.estimator.add_loop(blind) == LoopFate::kWaiting);
+  REQUIRE(ring.estimator.add_loop(other) == LoopFate::kWaiting);
+  REQUIRE(ring.estimator.add_loop(ring.loop(7, 67, {1.4, 0, 0})) == LoopFate::kWaiting);  // wrong by 1.4 m along
+  REQUIRE(ring.estimator.accepted() == 0);
+}
+
 TEST_CASE("a wrong loop among good ones is refused or taken back, and the ring is right in the end") {
   EstimatorConfig config;
   config.confirmations = 0;  // believes whatever comes first: retraction must mend it

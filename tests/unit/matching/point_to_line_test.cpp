@@ -114,3 +114,14 @@ TEST_CASE("no points or no map: not converged, no information, the guess stands"
   REQUIRE_FALSE(nowhere.converged);
   REQUIRE(observed_information(nowhere).information.norm() == 0);
 }
+
+TEST_CASE("a direction that hangs on a handful of points counts as unobserved where that is asked for") {
+  RefineResult fit;
+  fit.information = Eigen::Vector3d(3'000, 500'000, 3'000'000).asDiagonal();  // 1.8 cm along, 1.4 mm across
+  REQUIRE_FALSE(observed_information(fit).degenerate);
+  const Observed strict = observed_information(fit, 0.03, 0.02);
+  REQUIRE(strict.degenerate);
+  REQUIRE(std::abs(std::sin(strict.degenerate_rad)) < 1e-9);
+  REQUIRE(strict.information(0, 0) == Approx(0.0).margin(1e-9));
+  REQUIRE(strict.information(1, 1) == Approx(500'000));
+}
