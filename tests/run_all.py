@@ -5,6 +5,7 @@
 A suite is modslam-tests (Catch2) or a script. A script says `ok SENTENCE`, `FAIL SENTENCE` or `skip SENTENCE` for each thing that
 it tests, in its own words before that, and exits 0; with 77 it says that it cannot run here. NAMEs choose suites by part of the name.
 """
+import atexit
 import os
 import pathlib
 import re
@@ -65,11 +66,15 @@ class Tally:
 class Child:
     """A process with a process group of its own and a time limit. Only that group is ever ended."""
 
+    latest = None
+
     def __init__(self, command, seconds, **options):
         self.timed_out = False
         self.process = subprocess.Popen(command, start_new_session=True, **options)
         self.timer = threading.Timer(seconds, self.time_out)
+        self.timer.daemon = True
         self.timer.start()
+        Child.latest = self
 
     def time_out(self):
         self.timed_out = True
@@ -198,6 +203,7 @@ def main():
         sys.exit("run_all.py BUILD_DIR [NAME...]: the first argument is a folder with a build in it")
     build, wanted = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:]
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    atexit.register(lambda: Child.latest and Child.latest.process.poll() is None and Child.latest.end())
     tally, start = Tally(), time.monotonic()
     for name, run in suites(build):
         if wanted and not any(part in name for part in wanted):

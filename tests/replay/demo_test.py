@@ -57,12 +57,11 @@ def demo():
     with Run("demo", "--out", folder, *words) as run:
         run.until_driving()
         names = sorted(name for _, name in run.processes() if name.startswith("modslam-") and name != "modslam-conduct")
-        expected = ["simulator", "laser", "odometry", "ins", "scan-matcher", "graph-optimizer", "loop-detector", "map-builder",
-                    "semantic-classifier", "viewer"]
+        expected = ["recorder", "simulator", "laser", "odometry", "ins", "scan-matcher", "graph-optimizer", "loop-detector",
+                    "map-builder", "semantic-classifier", "viewer"]
         if "launch.semantics=false" in words:
             expected.remove("semantic-classifier")
         equal(names, sorted("modslam-" + name for name in expected), "processes")
-        equal([name for _, name in run.processes() if name == "lcm-logger"], ["lcm-logger"], "loggers")
         equal(run.wait(), 0, "exit code")
         said = run.said()
         run.leaves_nothing()
