@@ -37,6 +37,7 @@ Observed observed_information(const RefineResult& fit, double max_sigma_m, doubl
         lambda < min_share * eigen.eigenvalues()[2]) {
       if (!out.degenerate) out.degenerate_rad = std::atan2(v.y(), v.x());
       out.degenerate = true;
+      out.unobserved += D * v * v.transpose() * scale.cwiseInverse().asDiagonal();
     } else {
       kept += (lambda - spurious) * v * v.transpose();
     }
