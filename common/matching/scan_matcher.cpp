@@ -56,6 +56,9 @@ ScanMatch ScanMatcher::match(const Scan& scan, const SensorInfo& sensor, const P
   if (!is_usable(best.verdict)) {
     window.half_m = std::max(window.half_m, kWideWindow_m);
     window.half_rad = std::max(window.half_rad, kWideWindow_rad);
+    // Whoever looks again does not trust the guess: it only decides between places that fit alike.
+    window.prior_sigma_m = window.half_m;
+    window.prior_sigma_rad = window.half_rad;
     const Attempt wide = attempt(points, sensor, guess, cov_guess, window);
     if (is_usable(wide.verdict) || wide.figures.overlap > best.figures.overlap) best = wide;
   }
@@ -91,13 +94,12 @@ ScanMatcher::Attempt ScanMatcher::attempt(const std::vector<OrientedPoint>& poin
   options.prior_information = cov_guess.inverse();
   attempt.fit = refine(points, submap_, coarse.T_map_base, options);
   attempt.observed = observed_information(attempt.fit);
-  Eigen::Vector3d d = attempt.fit.T_map_base.vector() - guess.vector();
-  d[2] = wrap_angle(d[2]);
-  if (attempt.observed.degenerate) {
-    // Remapping: where the scan saw nothing the search has wandered by chance; odometry's guess stands there.
-    d -= attempt.observed.unobserved * d;
-    attempt.fit.T_map_base = {guess.x + d[0], guess.y + d[1], wrap_angle(guess.heading + d[2])};
-  }
+  // Where the scan says nothing the guess stands, whatever the search happened to like there.
+  Pose2& T = attempt.fit.T_map_base;
+  Eigen::Vector3d to_guess = guess.vector() - T.vector();
+  to_guess[2] = wrap_angle(to_guess[2]);
+  const Eigen::Vector3d back = attempt.observed.unobserved * to_guess;
+  T = {T.x + back[0], T.y + back[1], wrap_angle(T.heading + back[2])};
 
   MatchFigures& figures = attempt.figures;
   figures.score = coarse.score;
@@ -108,6 +110,8 @@ ScanMatcher::Attempt ScanMatcher::attempt(const std::vector<OrientedPoint>& poin
   figures.points = attempt.fit.pairs;
   figures.iterations = attempt.fit.iterations;
   figures.free_violation = free_violation(points, sensor, attempt.fit.T_map_base);
+  Eigen::Vector3d d = attempt.fit.T_map_base.vector() - guess.vector();
+  d[2] = wrap_angle(d[2]);
   figures.innovation = d.dot(cov_guess.ldlt().solve(d));
   attempt.verdict = judge(attempt);
   return attempt;

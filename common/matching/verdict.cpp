@@ -28,7 +28,7 @@ Observed observed_information(const RefineResult& fit, double max_sigma_m, doubl
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H);
 
   Observed out;
-  Eigen::Matrix3d kept = Eigen::Matrix3d::Zero(), dropped = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d kept = Eigen::Matrix3d::Zero();
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d v = eigen.eigenvectors().col(k);
     const double lambda = eigen.eigenvalues()[k], spurious = v.dot(S * v);
@@ -37,14 +37,13 @@ Observed observed_information(const RefineResult& fit, double max_sigma_m, doubl
         lambda < min_share * eigen.eigenvalues()[2]) {
       if (!out.degenerate) out.degenerate_rad = std::atan2(v.y(), v.x());
       out.degenerate = true;
-      dropped += v * v.transpose();
+      out.unobserved += D * v * v.transpose() * scale.cwiseInverse().asDiagonal();
     } else {
       kept += (lambda - spurious) * v * v.transpose();
     }
   }
   const Eigen::Matrix3d D_inverse = scale.cwiseInverse().asDiagonal();
   out.information = D_inverse * kept * D_inverse;
-  out.unobserved = D * dropped * D_inverse;
   return out;
 }
 

@@ -34,9 +34,10 @@ struct MatchFigures {
 /// Information with the directions taken out that the scan did not observe.
 struct Observed {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< order x y heading; singular when degenerate
-  Eigen::Matrix3d unobserved = Eigen::Matrix3d::Zero();   ///< projector onto the directions that were taken out
   bool degenerate = false;
   double degenerate_rad = 0;  ///< direction of the weakest translation
+  /// Takes a difference of poses to its part in the unobserved directions; zero when all were observed.
+  Eigen::Matrix3d unobserved = Eigen::Matrix3d::Zero();
 };
 
 /// Splits H - S into observed and unobserved directions; heading is scaled by 3 m so that units agree. A direction is unobserved when
