@@ -69,6 +69,15 @@ TEST_CASE("a door leaves two walls of one band in order along it") {
   REQUIRE(bands[0].walls[1].a.x() == Approx(3.0).margin(0.06));
 }
 
+TEST_CASE("stretches that began far apart on one line are one band once the wall between them is seen") {
+  // The longest segments found bands 6 m apart; the short one between belongs to both.
+  const PlacedSegments scan = {segment(0, 0, 5, 0), segment(11, 0, 15, 0), segment(6, 0, 8.5, 0), segment(9.5, 0, 10.5, 0)};
+  const auto bands = merge_segments({scan, scan}, {}, everywhere);
+  REQUIRE(bands.size() == 1);
+  REQUIRE(bands[0].walls.size() == 4);
+  for (std::size_t k = 1; k < 4; ++k) REQUIRE(bands[0].walls[k].a.x() > bands[0].walls[k - 1].b.x());
+}
+
 TEST_CASE("merging gives the same bytes for the same segments") {
   const PlacedSegments scan = {segment(3, 0, 4.5, 0.02), segment(0, 0, 2.1, 0), segment(0, 1, 0, 5)};
   const auto once = merge_segments({scan, scan}, {}, everywhere), again = merge_segments({scan, scan}, {}, everywhere);
