@@ -109,6 +109,31 @@ TEST_CASE("a car in a hall is an object: no room, and its faces are no walls") {
   REQUIRE(layers.doors.empty());
 }
 
+TEST_CASE("a piece of wall between two doors with a shelf against it is a wall, no object") {
+  test::Plan plan;
+  test::add_box(plan, -4, -4, 4, 4);
+  for (const double x : {-0.08, 0.08})
+    for (const auto& [low, high] : {std::pair(-4.0, -2.4), std::pair(-1.5, 1.5), std::pair(2.4, 4.0)}) {
+      plan.push_back({{x, low}, {x, high}});
+      for (const double y : {low, high}) plan.push_back({{-0.08, y}, {0.08, y}});
+    }
+  test::add_box(plan, 0.08, -1.0, 0.68, 1.0);
+  std::vector<Pose2> places;
+  for (int k = 0; k < 60; ++k) {
+    const double angle = 2 * kPi * k / 60;
+    places.push_back({2.2 * std::cos(angle), 2.0 * std::sin(angle), angle + kPi / 2});
+    if (std::abs(places.back().x) < 0.8) places.back().y = places.back().y > 0 ? 1.95 : -1.95;
+  }
+  SemanticMapper mapper = mapper_after(plan, places);
+  const SemanticLayers layers = mapper.update(true);
+  REQUIRE(layers.objects.empty());
+  REQUIRE(layers.doors.size() == 2);
+  REQUIRE(layers.rooms.size() == 2);
+  REQUIRE(std::any_of(layers.walls.begin(), layers.walls.end(), [](const Wall& w) {
+    return std::abs(w.a.x() + 0.08) < 0.05 && std::abs(w.b.x() + 0.08) < 0.05 && w.length_m() > 2.5;
+  }));
+}
+
 TEST_CASE("clear() forgets everything, and nothing is found in nothing") {
   SemanticMapper mapper = mapper_after(test::two_rooms(), test::drive_through_two_rooms());
   mapper.update(false);
