@@ -4,13 +4,18 @@
 namespace modslam {
 namespace {
 
+constexpr std::size_t kMostCorners = 2500;  // 40 kB: an outline must fit into one chunk
+
+/// Of an outline with too many corners every n-th is told.
 template <class Message>
 void put_outline(Message& message, const std::vector<Eigen::Vector2d>& outline) {
-  for (const Eigen::Vector2d& p : outline) {
+  const std::size_t stride = outline.size() / (kMostCorners + 1) + 1;
+  for (std::size_t k = 0; k < outline.size(); k += stride) {
+    const Eigen::Vector2d& p = outline[k];
     message.x.push_back(p.x());
     message.y.push_back(p.y());
   }
-  message.npoints = static_cast<std::int32_t>(outline.size());
+  message.npoints = static_cast<std::int32_t>(message.x.size());
 }
 
 template <class Message>

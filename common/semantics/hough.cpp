@@ -90,6 +90,31 @@ std::vector<std::vector<int>> split_at_gaps(const std::vector<ScanPoint>& points
   return runs;
 }
 
+/// Whether the points follow an arc rather than a line: a parabola over the fitted line explains their scatter, and it is steep for
+/// its length (a radius of a metre or so). What bends less is a wall seen while turning.
+bool is_arc(const std::vector<ScanPoint>& points, const std::vector<int>& run, const Line& line) {
+  constexpr double kLeastBow_m = 0.03, kLeastBowToLength = 0.04, kSigmas = 4;
+  const auto n = static_cast<double>(run.size());
+  const auto offset = [&](int k) { return Eigen::Vector2d(points[static_cast<std::size_t>(k)].p - line.centre); };
+  const double low = line.direction.dot(offset(run.front())), high = line.direction.dot(offset(run.back()));
+  const double middle = 0.5 * (low + high), half = 0.5 * (high - low);
+  const auto t_squared = [&](int k) {
+    const double t = (line.direction.dot(offset(k)) - middle) / half;
+    return t * t;
+  };
+  double mean = 0, qq = 0, rq = 0, rr = 0;
+  for (const int k : run) mean += t_squared(k) / n;
+  for (const int k : run) {
+    const double q = t_squared(k) - mean, r = line.direction.x() * offset(k).y() - line.direction.y() * offset(k).x();
+    qq += q * q;
+    rq += r * q;
+    rr += r * r;
+  }
+  if (half <= 0 || qq <= 0) return false;
+  const double bow_m = std::abs(rq / qq), sigma_bow_m = std::sqrt(std::max(0.0, rr - rq * rq / qq) / n / qq);
+  return bow_m > kLeastBow_m && bow_m > kLeastBowToLength * 2 * half && bow_m > kSigmas * sigma_bow_m;
+}
+
 }  // namespace
 
 LineExtraction extract_lines(const std::vector<ScanPoint>& points, const Eigen::Vector2d& eye, double radstep,
@@ -135,7 +160,7 @@ LineExtraction extract_lines(const std::vector<ScanPoint>& points, const Eigen::
       segment.sigma_m = line.sigma_m;
       const Eigen::Vector2d d = segment.b - segment.a, to_eye = eye - segment.a;
       if (d.x() * to_eye.y() - d.y() * to_eye.x() < 0) std::swap(segment.a, segment.b);
-      if (segment.points >= options.min_points && segment.length_m() >= options.min_length_m) {
+      if (segment.points >= options.min_points && segment.length_m() >= options.min_length_m && !is_arc(points, runs[0], line)) {
         out.segments.push_back(segment);
         for (const int k : runs[0]) out.on_segment[static_cast<std::size_t>(k)] = true;
         taken = runs[0];

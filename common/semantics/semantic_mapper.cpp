@@ -74,6 +74,46 @@ double likeness_of(const Room& p, const Room& q) {
 
 double likeness_of(const Object& p, const Object& q) { return 0.6 - (mean_of(p.outline) - mean_of(q.outline)).norm(); }
 
+/// Whether most of the wall's face has cells of the mask right behind it.
+bool stands_on(const cv::Mat1b& mask, const Wall& wall, const KnownSpace& space) {
+  int behind = 0, looked = 0;
+  for (double s = 0.1; s < wall.length_m(); s += 0.1, ++looked)
+    for (const double depth : {0.0, 0.1}) {
+      const cv::Point c = space.cell(wall.a + s * wall.direction() - depth * wall.normal());
+      if (space.inside(c) && !mask.empty() && mask(c)) {
+        ++behind;
+        break;
+      }
+    }
+  return 2 * behind > looked;
+}
+
+/// Takes out of the objects what is a piece of wall between two doors, with furniture against it or without: its face goes on, in line,
+/// beyond a gap no wider than a door, as a wall that stands on no object.
+void drop_pieces_of_wall(ObjectMap& found, const std::vector<WallBand>& bands, const KnownSpace& space, const SemanticsConfig& config) {
+  const cv::Mat1b all = found.mask.clone();
+  const auto goes_on = [&](const Wall& face, const Wall& next, double gap_m) {
+    return gap_m <= config.door_max_m && next.length_m() > 1.0 && face.length_m() > 1.0 && !stands_on(all, next, space);
+  };
+  const auto is_wall = [&](const Object& object) {
+    cv::Mat1b mask(all.size(), std::uint8_t{0});
+    std::vector<cv::Point> ring;
+    for (const Eigen::Vector2d& p : object.outline) ring.push_back(space.cell(p));
+    cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{ring}, cv::Scalar(255));
+    for (const WallBand& band : bands)
+      for (std::size_t k = 0; k + 1 < band.walls.size(); ++k) {
+        const Wall &p = band.walls[k], &q = band.walls[k + 1];
+        const double gap_m = (q.a - p.b).norm();
+        if ((stands_on(mask, p, space) && goes_on(p, q, gap_m)) || (stands_on(mask, q, space) && goes_on(q, p, gap_m))) {
+          found.mask.setTo(0, mask);
+          return true;
+        }
+      }
+    return false;
+  };
+  found.objects.erase(std::remove_if(found.objects.begin(), found.objects.end(), is_wall), found.objects.end());
+}
+
 }  // namespace
 
 SemanticMapper::SemanticMapper(const SemanticsConfig& config) : config_(config), occupancy_(0.1, config.range_limit_m) {}
@@ -143,18 +183,12 @@ const SemanticLayers& SemanticMapper::update(bool settled) {
 
   SemanticLayers layers;
   ObjectMap objects = find_objects(space, config_.object_max_m2);
-  layers.objects = std::move(objects.objects);
+  drop_pieces_of_wall(objects, bands, space, config_);
+  layers.objects = objects.objects;
   for (WallBand& band : bands) {
     // The face of a thing that stands free is not a wall: what lies behind it belongs to the object.
-    band.walls.erase(std::remove_if(band.walls.begin(), band.walls.end(), [&](const Wall& wall) {
-      int behind = 0, looked = 0;
-      for (double s = 0.1; s < wall.length_m(); s += 0.1, ++looked)
-        for (const double depth : {0.0, 0.1}) {
-          const cv::Point c = space.cell(wall.a + s * wall.direction() - depth * wall.normal());
-          if (space.inside(c) && !objects.mask.empty() && objects.mask(c)) { ++behind; break; }
-        }
-      return 2 * behind > looked;
-    }), band.walls.end());
+    const auto is_face = [&](const Wall& wall) { return stands_on(objects.mask, wall, space); };
+    band.walls.erase(std::remove_if(band.walls.begin(), band.walls.end(), is_face), band.walls.end());
   }
   remove_furniture(bands);
   for (WallBand& band : bands) {

@@ -44,6 +44,18 @@ class Band {
     return std::min(a, b) < high_ + options.band_gap_m && std::max(a, b) > low_ - options.band_gap_m;
   }
 
+  /// Whether `other` has grown onto this one's line.
+  bool meets(const Band& other, const WallMapOptions& options) const {
+    if (direction_.dot(other.direction_) < std::cos(options.join_rad)) return false;
+    const Eigen::Vector2d a = other.centre_ + other.low_ * other.direction_, b = other.centre_ + other.high_ * other.direction_;
+    if (std::max(std::abs(across(a)), std::abs(across(b))) > options.join_m) return false;
+    return along(a) < high_ + options.band_gap_m && along(b) > low_ - options.band_gap_m;
+  }
+
+  void absorb(const Band& other) {
+    for (const Segment& s : other.segments_) add(s);
+  }
+
   WallBand walls(const WallMapOptions& options, const std::function<bool(const Eigen::Vector2d&)>& is_solid) const {
     double low = 1e300, high = -1e300;
     for (const Segment& s : segments_) {
@@ -111,6 +123,21 @@ class Band {
   std::vector<Segment> segments_;
 };
 
+/// Bands that began far apart on one line grow towards each other; here they become one, or the doors between them are never looked for and
+/// the sightings of a wall are split between two.
+void join_bands(std::vector<Band>& bands, const WallMapOptions& options) {
+  for (std::size_t i = 0; i < bands.size(); ++i)
+    for (std::size_t j = i + 1; j < bands.size();) {
+      if (!bands[i].meets(bands[j], options)) {
+        ++j;
+        continue;
+      }
+      bands[i].absorb(bands[j]);
+      bands.erase(bands.begin() + static_cast<std::ptrdiff_t>(j));
+      j = i + 1;  // the longer band may reach others now
+    }
+}
+
 }  // namespace
 
 std::vector<WallBand> merge_segments(const std::vector<PlacedSegments>& scans, const WallMapOptions& options,
@@ -139,6 +166,7 @@ std::vector<WallBand> merge_segments(const std::vector<PlacedSegments>& scans, c
       by_angle[static_cast<std::size_t>(bands.back().angle_bin())].push_back(bands.size() - 1);
     }
   }
+  join_bands(bands, options);
   std::vector<WallBand> out;
   for (const Band& band : bands) {
     WallBand walls = band.walls(options, is_solid);

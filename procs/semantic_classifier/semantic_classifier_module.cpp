@@ -24,7 +24,11 @@ class SemanticClassifierModule : public Module {
       dirty_ = dirty_ || !moved.empty();
       if (dirty_ && !mirror_.nodes().empty() && due(mirror_.nodes().back().utime)) work(false);
     };
-    mirror_.on_reset = [this] { mapper_.clear(); };
+    mirror_.on_reset = [this] {
+      mapper_.clear();
+      layers_ = {};
+      last_ = 0;
+    };
     bus.subscribe<sync_request_t>(channel::kSyncRequest, [this](const sync_request_t& m) {
       if (m.requester != bus_.name() && version_ > 0) publish();
     });

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The semantic classifier on the in-process bus: a drive goes in, lists of walls, rooms, doors and objects come out.
+#include <modslam/graph_node_t.hpp>
+#include <modslam/sync_request_t.hpp>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/conversions.hpp"
+#include "common/bus/modules.hpp"
+#include "common/bus/semantic_messages.hpp"
+#include "tests/support/matchers.hpp"
+#include "tests/support/stage.hpp"
+#include "tests/support/two_rooms.hpp"
+
+using namespace modslam;
+using namespace modslam::test;
+
+namespace {
+
+/// A robot whose true places are known, an estimator that believes them, and the classifier.
+struct House {
+  House() {
+    SystemConfig config;
+    config.launch.estimator = "ground_truth";
+    stage.host("yardstick", make_yardstick, config);
+    classifier = &stage.host("semantic_classifier", make_semantic_classifier, config);
+    robot.publish(channel::kSensorInfo, to_message(sensor, utime));
+  }
+  void drive() {
+    for (const Pose2& T_world_base : drive_through_two_rooms()) {
+      utime += 500'000;
+      robot.publish(channel::kGroundTruth, to_message(TimedPose{utime, T_world_base, 0}));
+      robot.publish(channel::kOdometry, to_message(TimedPose{utime, T_world_base, 0}));
+      robot.publish(channel::kLaser, to_message(see(two_rooms(), sensor, T_world_base, &random, utime)));
+      stage.drain(1);
+    }
+  }
+  void ask(const std::string& name) {
+    sync_request_t request{};
+    request.requester = name;
+    robot.publish(channel::kSyncRequest, request);
+    stage.drain();
+  }
+  Stage stage;
+  Bus& robot = stage.bus("robot");
+  SensorInfo sensor = short_laser();
+  RandomStream random{706, RandomStreamId::kLaser};
+  std::int64_t utime = 1'000'000'000;
+  const std::vector<wall_list_t>& walls = stage.record<wall_list_t>(channel::kWalls);
+  const std::vector<room_list_t>& rooms = stage.record<room_list_t>(channel::kRooms);
+  const std::vector<door_list_t>& doors = stage.record<door_list_t>(channel::kDoors);
+  const std::vector<object_list_t>& objects = stage.record<object_list_t>(channel::kObjects);
+  Module* classifier = nullptr;
+};
+
+}  // namespace
+
+TEST_CASE("semantic_classifier tells two rooms and their door, at its pace, with rising versions") {
+  House house;
+  house.drive();
+  const std::size_t while_driving = house.rooms.size();
+  house.classifier->finish();
+  house.stage.drain();
+  REQUIRE(while_driving >= 5);  // every 3 s of message time, a drive of half a minute
+  REQUIRE(while_driving <= 12);
+  REQUIRE(house.rooms.size() == while_driving + 1);
+  for (std::size_t k = 1; k < house.rooms.size(); ++k) REQUIRE(house.rooms[k].version == house.rooms[k - 1].version + 1);
+  REQUIRE(house.rooms.back().nrooms == 2);
+  REQUIRE(house.doors.back().ndoors == 1);
+  const door_t& door = house.doors.back().doors[0];
+  REQUIRE(door.room_a != door.room_b);
+  for (const room_t& room : house.rooms.back().rooms) REQUIRE((room.id == door.room_a || room.id == door.room_b));
+  REQUIRE(house.walls.back().nwalls >= 8);
+  REQUIRE(house.objects.back().nobjects == 0);
+  REQUIRE(house.walls.back().utime == house.rooms.back().utime);
+  REQUIRE_THAT(house.classifier->words(), Catch::Matchers::Contains("2 rooms, 1 doors"));
+}
+
+TEST_CASE("semantic_classifier answers SYNC_REQUEST with what it told last, and not its own") {
+  House house;
+  house.ask("too early");
+  REQUIRE(house.rooms.empty());
+  house.drive();
+  house.classifier->finish();
+  house.stage.drain();
+  const room_list_t last = house.rooms.back();
+  const std::size_t before = house.rooms.size();
+  house.ask("semantic_classifier");
+  REQUIRE(house.rooms.size() == before);
+  house.ask("latecomer");
+  REQUIRE(house.rooms.size() == before + 1);
+  REQUIRE(house.rooms.back().version == last.version);
+  REQUIRE(house.rooms.back().nrooms == last.nrooms);
+  REQUIRE(house.rooms.back().rooms[0].x == last.rooms[0].x);
+}
+
+TEST_CASE("another session's graph makes semantic_classifier forget the old building") {
+  House house;
+  house.drive();
+  REQUIRE_THAT(house.classifier->words(), !Catch::Matchers::StartsWith("0 walls"));
+  graph_node_t node{};
+  node.utime = house.utime + 1'000'000'000;
+  node.sensor = to_message(house.sensor, node.utime);
+  node.scan = to_message(see({}, house.sensor, {}, nullptr, node.utime));
+  house.robot.publish(channel::kNode, node);
+  house.stage.drain();
+  REQUIRE_THAT(house.classifier->words(), Catch::Matchers::StartsWith("0 walls, 0 rooms"));
+}

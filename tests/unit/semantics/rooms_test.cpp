@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Outlines, rooms and objects on floors drawn by hand.
+#include <catch2/catch.hpp>
+
+#include "common/semantics/object_finder.hpp"
+#include "common/semantics/room_finder.hpp"
+#include "tests/support/floor_raster.hpp"
+
+using namespace modslam;
+
+namespace {
+
+constexpr double kRim_m = 0.085;  // the wall's own cell of 0.1 m is not the room's
+
+bool counter_clockwise(const std::vector<Eigen::Vector2d>& outline) {
+  double twice = 0;
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const Eigen::Vector2d &p = outline[k], &q = outline[(k + 1) % outline.size()];
+    twice += p.x() * q.y() - p.y() * q.x();
+  }
+  return twice > 0;
+}
+
+/// 10 x 6 m of floor, cut at x = 6 by a wall of 0.2 m with a door from y = 2 to 2.9; a margin of 1 m unknown.
+struct TwoRooms {
+  KnownSpace space = test::unknown_floor(12, 8);
+  std::vector<Wall> walls;
+  std::vector<Door> doors{1};
+  TwoRooms() {
+    test::fill(space, 0.9, 0.9, 11.1, 7.1, test::kSolid);
+    test::fill(space, 1, 1, 11, 7, test::kFree);
+    test::fill(space, 6.9, 1, 7.1, 7, test::kSolid);
+    test::fill(space, 6.9, 3, 7.1, 3.9, test::kFree);
+    for (const auto& [x0, x1] : {std::pair(1.0, 6.9), std::pair(7.1, 11.0)}) {
+      test::add_faces(walls, x0, 1, x1, 7);
+      Wall& partition = x0 == 1.0 ? walls[1] : walls[8];  // with the door in it
+      Wall rest = partition;
+      partition.b = {partition.a.x(), x0 == 1.0 ? 3.0 : 3.9};
+      rest.a = {rest.a.x(), x0 == 1.0 ? 3.9 : 3.0};
+      walls.push_back(rest);
+    }
+    doors[0].a = {7, 3};
+    doors[0].b = {7, 3.9};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("an outline has the area of its mask, runs counter-clockwise, and leaves a block out") {
+  const KnownSpace space = test::unknown_floor(12, 12);
+  cv::Mat1b mask(space.occupancy.size(), std::uint8_t{0});
+  mask(cv::Rect(10, 10, 100, 100)).setTo(255);
+  REQUIRE(polygon_area_m2(outline_of(mask, space, 3, 0.15)) == Approx(100).epsilon(0.015));
+  mask(cv::Rect(40, 40, 40, 40)).setTo(0);
+  const auto ring = outline_of(mask, space, 3, 0.15);
+  REQUIRE(polygon_area_m2(ring) == Approx(84).epsilon(0.025));
+  REQUIRE(counter_clockwise(ring));
+  REQUIRE(contains(ring, {2, 2}));
+  REQUIRE(contains(ring, {10, 6}));
+  REQUIRE_FALSE(contains(ring, {6, 6}));
+  REQUIRE(polygon_area_m2(outline_of(mask, space, 30, 0.15)) == Approx(100).epsilon(0.015));  // too small a hole to tell
+}
+
+TEST_CASE("an empty mask and a single cell have no outline that breaks anything") {
+  const KnownSpace space = test::unknown_floor(2, 2);
+  cv::Mat1b mask(space.occupancy.size(), std::uint8_t{0});
+  REQUIRE(outline_of(mask, space, 1, 0.1).empty());
+  mask(5, 5) = 255;
+  REQUIRE(polygon_area_m2(outline_of(mask, space, 1, 0.1)) < 0.02);
+  REQUIRE_FALSE(contains({}, {0, 0}));
+}
+
+TEST_CASE("two rooms with a door between are two rooms, and the door names both") {
+  TwoRooms plan;
+  auto rooms = find_rooms(plan.walls, plan.doors, plan.space, {});
+  REQUIRE(rooms.size() == 2);
+  REQUIRE(rooms[0].area_m2 + rooms[1].area_m2 == Approx(5.9 * 6 + 3.9 * 6).margin((23.8 + 19.8) * kRim_m));
+  rooms[0].id = 7;
+  rooms[1].id = 9;
+  join_rooms(plan.doors, rooms);
+  REQUIRE(std::min(plan.doors[0].room_a, plan.doors[0].room_b) == 7);
+  REQUIRE(std::max(plan.doors[0].room_a, plan.doors[0].room_b) == 9);
+  for (const Room& room : rooms) {
+    REQUIRE(room.explored > 0.95);
+    REQUIRE(room.evidence > 0.9);
+    REQUIRE_FALSE(room.corridor);
+  }
+}
+
+TEST_CASE("without its door the two rooms are one") {
+  TwoRooms plan;
+  REQUIRE(find_rooms(plan.walls, {}, plan.space, {}).size() == 1);
+}
+
+TEST_CASE("an unexplored rectangle between walls is no room, nor is open floor without walls") {
+  TwoRooms plan;
+  test::fill(plan.space, 7.1, 1, 11, 7, test::kUnknown);
+  REQUIRE(find_rooms(plan.walls, plan.doors, plan.space, {}).size() == 1);
+  KnownSpace open = test::unknown_floor(8, 8);
+  test::fill(open, 1, 1, 7, 7, test::kFree);
+  REQUIRE(find_rooms({}, {}, open, {}).empty());
+  REQUIRE(find_rooms({}, {}, KnownSpace(OccupancyMap(0.1, 20)), {}).empty());
+}
+
+TEST_CASE("a corridor that runs round a block has the block as a hole") {
+  KnownSpace space = test::unknown_floor(12, 12);
+  test::fill(space, 1.9, 1.9, 10.1, 10.1, test::kSolid);
+  test::fill(space, 2, 2, 10, 10, test::kFree);
+  test::fill_thing(space, 4, 4, 8, 8);
+  std::vector<Wall> walls;
+  test::add_faces(walls, 2, 2, 10, 10);
+  test::add_faces(walls, 4, 4, 8, 8, false);
+  const auto rooms = find_rooms(walls, {}, space, {});
+  REQUIRE(rooms.size() == 1);
+  REQUIRE(rooms[0].area_m2 == Approx(64 - 16).margin((32 + 16) * kRim_m));
+  REQUIRE_FALSE(contains(rooms[0].outline, {6, 6}));
+  REQUIRE(contains(rooms[0].outline, {3, 6}));
+  REQUIRE(rooms[0].corridor);
+  REQUIRE(rooms[0].explored > 0.95);
+}
+
+TEST_CASE("a box of a car's size that stands free is a car; a pillar is a pillar") {
+  KnownSpace space = test::unknown_floor(12, 10);
+  test::fill(space, 0.5, 0.5, 11.5, 9.5, test::kFree);
+  test::fill_thing(space, 3, 3, 7.4, 4.8);
+  test::fill(space, 9, 7, 9.4, 7.4, test::kSolid);
+  const ObjectMap found = find_objects(space, 14);
+  REQUIRE(found.objects.size() == 2);
+  REQUIRE(found.objects[0].class_name == "car");
+  REQUIRE(found.objects[0].area_m2 == Approx(4.4 * 1.8).epsilon(0.05));
+  REQUIRE(found.objects[1].class_name == "pillar");
+  REQUIRE(found.mask(space.cell({5, 4})) == 255);
+  REQUIRE(found.mask(space.cell({2, 2})) == 0);
+}
+
+TEST_CASE("a long thin island is a piece of wall, a big block is building, a shadow is nothing") {
+  KnownSpace space = test::unknown_floor(12, 10);
+  test::fill(space, 0.5, 0.5, 11.5, 9.5, test::kFree);
+  test::fill(space, 2, 2, 4, 2.2, test::kSolid);
+  test::fill_thing(space, 5, 4, 9.5, 8.5);
+  test::fill(space, 2, 6, 3, 7, test::kUnknown);
+  const ObjectMap found = find_objects(space, 14);
+  REQUIRE(found.objects.empty());
+  REQUIRE(cv::countNonZero(found.mask) == 0);
+  REQUIRE(find_objects(KnownSpace(OccupancyMap(0.1, 20)), 14).objects.empty());
+}
