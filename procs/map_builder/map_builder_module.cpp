@@ -30,6 +30,7 @@ class MapBuilderModule : public Module {
     bus.subscribe<sync_request_t>(channel::kSyncRequest, [this](const sync_request_t& m) {
       if (m.requester == bus_.name()) return;
       for (const auto& index : builder_.map().tiles()) changed_.insert(index);
+      urgent_ = true;  // even when the robot stands still
     });
   }
 

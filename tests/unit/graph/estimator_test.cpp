@@ -102,15 +102,23 @@ TEST_CASE("wrong loops that disagree with each other are never believed") {
 }
 
 TEST_CASE("loops that are blind along a corridor do not confirm what another one claims there") {
+  // The corridor runs along x of the map. The last loop is wrong by 1.4 m along it.
   Ring ring;
-  LoopProposal blind = ring.loop(0, 60), other = ring.loop(3, 63);
-  for (LoopProposal* loop : {&blind, &other}) {
-    loop->verdict = Verdict::kDegenerate;
-    loop->information(0, 0) = 0;
-  }
-  REQUIRE(ring.estimator.add_loop(blind) == LoopFate::kWaiting);
-  REQUIRE(ring.estimator.add_loop(other) == LoopFate::kWaiting);
-  REQUIRE(ring.estimator.add_loop(ring.loop(7, 67, {1.4, 0, 0})) == LoopFate::kWaiting);  // wrong by 1.4 m along
+  const auto along_x = [&](NodeId to, double x_m) {
+    return Pose2((rotation(-ring.truth[static_cast<std::size_t>(to)].heading) * Eigen::Vector2d(x_m, 0)).x(),
+                 (rotation(-ring.truth[static_cast<std::size_t>(to)].heading) * Eigen::Vector2d(x_m, 0)).y(), 0);
+  };
+  const auto blind = [&](NodeId from, NodeId to) {
+    LoopProposal loop = ring.loop(from, to);
+    loop.verdict = Verdict::kDegenerate;
+    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+    R.topLeftCorner<2, 2>() = rotation(ring.truth[static_cast<std::size_t>(to)].heading);
+    loop.information = R.transpose() * Eigen::Vector3d(0, 1e4, 4e4).asDiagonal() * R;
+    return loop;
+  };
+  REQUIRE(ring.estimator.add_loop(blind(0, 60)) == LoopFate::kWaiting);
+  REQUIRE(ring.estimator.add_loop(blind(3, 63)) == LoopFate::kWaiting);
+  REQUIRE(ring.estimator.add_loop(ring.loop(7, 67, along_x(67, 1.4))) == LoopFate::kWaiting);
   REQUIRE(ring.estimator.accepted() == 0);
 }
 

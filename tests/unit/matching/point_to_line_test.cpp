@@ -115,10 +115,13 @@ TEST_CASE("no points or no map: not converged, no information, the guess stands"
   REQUIRE(observed_information(nowhere).information.norm() == 0);
 }
 
-TEST_CASE("a direction that hangs on a handful of points counts as unobserved where that is asked for") {
+TEST_CASE("a direction known worse than 3 cm is unobserved; so is, where asked for, one that hangs on a handful of points") {
   RefineResult fit;
   fit.information = Eigen::Vector3d(3'000, 500'000, 3'000'000).asDiagonal();  // 1.8 cm along, 1.4 mm across
   REQUIRE_FALSE(observed_information(fit).degenerate);
+  RefineResult vague = fit;
+  vague.information(0, 0) = 500;  // 4.5 cm
+  REQUIRE(observed_information(vague).degenerate);
   const Observed strict = observed_information(fit, 0.03, 0.02);
   REQUIRE(strict.degenerate);
   REQUIRE(std::abs(std::sin(strict.degenerate_rad)) < 1e-9);
