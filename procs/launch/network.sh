@@ -5,28 +5,36 @@ readonly GROUP=239.255.76.67  # runs are told apart by port: LCM 1.3.1 hears eve
 
 url_of_port() { echo "udpm://$GROUP:$1?ttl=0&recv_buf_size=2097152"; }
 
-# A UDP port nobody is bound to. MODSLAM_PORT chooses it.
-free_port() {
+# claim udp|tcp NUMBER: whether the port is free, and from now on this run's. The lock is held by the run's shell and its processes, so
+# two runs that start at the same moment do not choose the same port.
+claim() {
+  local folder=${TMPDIR:-/tmp}/.modslam-ports-$EUID lock
+  mkdir -p "$folder"
+  exec {lock}>"$folder/$1-$2"
+  if flock -n "$lock" && [[ -z $(ss -Hln --"$1" "sport = :$2") ]]; then return 0; fi
+  exec {lock}>&-
+  return 1
+}
+
+# Sets PORT to a UDP port nobody is bound to. MODSLAM_PORT chooses it.
+claim_bus_port() {
   if [[ -n ${MODSLAM_PORT:-} ]]; then
-    port_is_free "$MODSLAM_PORT" || die "port $MODSLAM_PORT is in use by another run; choose another MODSLAM_PORT"
-    echo "$MODSLAM_PORT"
+    PORT=$MODSLAM_PORT
+    claim udp "$PORT" || die "port $PORT is in use by another run; choose another MODSLAM_PORT"
     return
   fi
-  local port try
+  local try
   for try in {1..50}; do
-    port=$((20000 + (RANDOM * 32768 + RANDOM) % 10000))
-    port_is_free "$port" && { echo "$port"; return; }
+    PORT=$((20000 + (RANDOM * 32768 + RANDOM) % 10000))
+    claim udp "$PORT" && return
   done
   die "found no free UDP port"
 }
 
-port_is_free() { [[ -z $(ss -Huln "sport = :$1") ]]; }
-
-# A TCP port of 127.0.0.1 for the viewer's page; the configured one when it is free.
-free_page_port() {
-  local port=$1
-  while [[ -n $(ss -Htln "sport = :$port") ]]; do port=$((port + 1)); done
-  echo "$port"
+# Sets PAGE_PORT to a TCP port of 127.0.0.1 for the viewer's page: the configured one, or the next that is free.
+claim_page_port() {
+  PAGE_PORT=$1
+  until claim tcp "$PAGE_PORT"; do PAGE_PORT=$((PAGE_PORT + 1)); done
 }
 
 ensure_multicast() {

@@ -63,10 +63,10 @@ start_run() {
   ensure_multicast
   rm -f "$OUT"/run.lcm
   mkdir -p "$OUT/log"
-  PORT=$(free_port)
+  claim_bus_port
   export LCM_DEFAULT_URL; LCM_DEFAULT_URL=$(url_of_port "$PORT")
   if [[ $(setting launch.viewer) == true ]]; then
-    PAGE_PORT=$(free_page_port "$(setting viewer.port)")
+    claim_page_port "$(setting viewer.port)"
     OVERRIDES+=(--set "viewer.port=$PAGE_PORT")
   fi
   SOCKET_DIR=$(mktemp -d "${TMPDIR:-/tmp}/modslam-XXXXXX")
