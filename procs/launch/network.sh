@@ -8,7 +8,7 @@ url_of_port() { echo "udpm://$GROUP:$1?ttl=0&recv_buf_size=2097152"; }
 # claim udp|tcp NUMBER: whether the port is free, and from now on this run's. The lock is held by the run's shell and its processes, so
 # two runs that start at the same moment do not choose the same port.
 claim() {
-  local folder=${TMPDIR:-/tmp}/.modslam-ports-$EUID lock
+  local folder=/tmp/.modslam-ports-$EUID lock  # one place on the machine, whatever TMPDIR says; the empty files stay
   mkdir -p "$folder"
   exec {lock}>"$folder/$1-$2"
   if flock -n "$lock" && [[ -z $(ss -Hln --"$1" "sport = :$2") ]]; then return 0; fi
