@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file What stands on the floor and is not wall: islands, furniture, cars, pillars.
+#pragma once
+#include <vector>
+
+#include "common/semantics/config.hpp"
+#include "common/semantics/evidence.hpp"
+#include "common/semantics/types.hpp"
+#include "common/semantics/walls.hpp"
+
+namespace modslam {
+
+/// Walls and what only looks like one.
+struct WallSplit {
+  std::vector<WallFace> walls, furniture;
+};
+
+/// Takes out of the faces: the sides of free-standing things up to config.island_max_m, unless a wall goes on beyond a door-wide
+/// opening; and the fronts of what stands before a longer wall.
+WallSplit split_furniture(const std::vector<WallFace>& faces, const Evidence& evidence, const SemanticsConfig& config);
+
+/// Footprints of touching cells that were hit and lie on no wall. Without ids and times.
+std::vector<Object> find_objects(const Evidence& evidence, const std::vector<WallFace>& walls);
+
+}  // namespace modslam
