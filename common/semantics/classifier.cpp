@@ -102,7 +102,7 @@ std::vector<Segment> SemanticClassifier::jamb_pairs_map() const {
 }
 
 const Semantics& SemanticClassifier::render(std::int64_t utime) {
-  const WallSplit split = split_furniture(find_wall_faces(evidence_, config_), evidence_, config_);
+  const WallSplit split = find_walls(evidence_, config_);
   std::vector<DoorCandidate> doors = find_door_candidates(split.walls, evidence_, jamb_pairs_map(), config_);
   const std::vector<Segment> walls = segments_of(split.walls);
   const Raster raster = label_with_doors(evidence_, walls, doors, config_.room_min_m2);

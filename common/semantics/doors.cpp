@@ -16,6 +16,7 @@ constexpr int kVoteCap = 20;
 /// The end of a wall face, looking into the gap.
 struct WallEnd {
   Eigen::Vector2d p, out;
+  bool at_corner = false;  ///< another wall comes in here at an angle
 };
 
 /// Jamb pairs by the cell of their middle.
@@ -56,8 +57,8 @@ class DoorFinder {
       : faces_(faces), evidence_(evidence), store_(pairs), config_(config) {
     for (const WallFace& face : faces) {
       const Eigen::Vector2d d = face.segment.direction();
-      ends_.push_back({face.segment.b, d});
-      ends_.push_back({face.segment.a, -d});
+      for (const WallEnd& end : {WallEnd{face.segment.b, d}, WallEnd{face.segment.a, -d}})
+        ends_.push_back({end.p, end.out, meets_wall(end)});
     }
   }
 
@@ -70,6 +71,13 @@ class DoorFinder {
   }
 
  private:
+  bool meets_wall(const WallEnd& end) const {
+    return std::any_of(faces_.begin(), faces_.end(), [&](const WallFace& face) {
+      return face.segment.length_m() > 0.8 && std::abs(end.out.dot(face.segment.direction())) < 0.5 &&
+             distance_to_segment(end.p, face.segment) < 0.25;
+    });
+  }
+
   /// Two walls on one line that end towards each other.
   void try_ends(const WallEnd& e, const WallEnd& f) {
     const Eigen::Vector2d gap = f.p - e.p;
@@ -78,11 +86,13 @@ class DoorFinder {
     if (e.out.dot(f.out) > -0.95) return;
     const double along = e.out.dot(gap);
     if (along < 0.9 * width || std::sqrt(std::max(0.0, width * width - along * along)) > kOffset_m) return;
+    if (e.at_corner && f.at_corner) return;  // the mouth of a corridor
     consider({e.p, f.p}, 2.0);
   }
 
   /// A wall that ends before the face of another one.
   void try_ray(const WallEnd& e, std::size_t own_face) {
+    if (e.at_corner) return;
     double nearest = config_.door_max_m;
     bool hit = false;
     for (std::size_t k = 0; k < faces_.size(); ++k) {
@@ -103,10 +113,22 @@ class DoorFinder {
 
   /// @param prior  log-odds that the walls alone give.
   void consider(const Segment& gap, double prior) {
-    if (!is_open(gap) || !has_two_sides(gap)) return;
+    if (crosses_wall(gap) || !is_open(gap) || !has_two_sides(gap)) return;
     const int votes = store_.votes(gap);
     const double evidence = prior - 1.5 + 0.25 * std::min(votes, kVoteCap);
     if (evidence > 0) found_.push_back({gap, evidence, votes});
+  }
+
+  bool crosses_wall(const Segment& gap) const {
+    const auto side = [](const Segment& s, const Eigen::Vector2d& p) {
+      return (s.b - s.a).x() * (p - s.a).y() - (s.b - s.a).y() * (p - s.a).x();
+    };
+    const Eigen::Vector2d shrink = 0.1 * gap.direction();
+    const Segment inner{gap.a + shrink, gap.b - shrink};
+    return std::any_of(faces_.begin(), faces_.end(), [&](const WallFace& face) {
+      const Segment& s = face.segment;
+      return side(s, inner.a) * side(s, inner.b) < 0 && side(inner, s.a) * side(inner, s.b) < 0;
+    });
   }
 
   bool is_open(const Segment& gap) const {

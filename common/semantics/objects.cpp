@@ -11,6 +11,10 @@ namespace {
 constexpr double kOnWall_m = 0.12;   // hits this near belong to the wall
 constexpr double kThinWall_m = 0.35; // islands thinner than this and longer than 1 m are walls
 constexpr double kAround_m = 0.25;   // free space is looked for this far around an island
+constexpr double kHiddenGap_m = 1.5;        // walls go on behind things this long
+constexpr double kFurnitureLength_m = 5.5;  // of what stands before a wall
+constexpr double kLongDepth_m = 1.3;        // its depth when it is long (counters, shelves) ...
+constexpr double kBulky_m = 2.6, kBulkyDepth_m = 2.2;  // ... and when it is not (beds, cupboards)
 constexpr int kTouch_cells = 3;      // gaps bridged within one thing
 
 /// Occupied cells as an image; row 0 lowest y.
@@ -65,17 +69,21 @@ Polygon hull_of(const HitImage& image, const std::vector<cv::Point>& cells) {
   return out;
 }
 
-/// Share of the surroundings of a hull that beams have crossed.
-double free_around(const Polygon& hull, const Evidence& evidence) {
-  Eigen::Vector2d centre(0, 0);
-  for (const Eigen::Vector2d& p : hull) centre += p / static_cast<double>(hull.size());
+/// Share of the hull's sides, where something was hit, that face free space outward. Things seen from outside have nearly all,
+/// corners of rooms nearly none, a lone wall piece about half.
+double free_outward(const Polygon& hull, const HitImage& image, const Evidence& evidence) {
   int asked = 0, crossed = 0;
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Segment side{hull[i], hull[(i + 1) % hull.size()]};
     const Eigen::Vector2d d = side.direction(), out(d.y(), -d.x());
     const int n = std::max(1, static_cast<int>(side.length_m() / 0.1));
-    for (int k = 0; k < n; ++k, ++asked)
-      crossed += evidence.crossings(side.a + (k + 0.5) / n * (side.b - side.a) + kAround_m * out) > 1;
+    for (int k = 0; k < n; ++k) {
+      const Eigen::Vector2d p = side.a + (k + 0.5) / n * (side.b - side.a);
+      const cv::Rect around = cv::Rect(image.pixel(p) - cv::Point(2, 2), cv::Size(5, 5)) & cv::Rect({0, 0}, image.mask.size());
+      if (around.empty() || cv::countNonZero(image.mask(around)) == 0) continue;
+      ++asked;
+      crossed += evidence.crossings(p + kAround_m * out) > 1;
+    }
   }
   return asked ? static_cast<double>(crossed) / asked : 0;
 }
@@ -106,22 +114,79 @@ int component_of(const Segment& s, const HitImage& image, const cv::Mat& labels)
   return seen[seen.size() / 2];
 }
 
-std::vector<bool> find_islands(const HitImage& image, const cv::Mat& labels, const cv::Mat& stats, const Evidence& evidence,
-                               double max_size_m) {
+enum class Island { kNo, kThin, kYes };
+
+std::vector<Island> find_islands(const HitImage& image, const cv::Mat& labels, const cv::Mat& stats, const Evidence& evidence,
+                                 double max_size_m) {
   std::vector<std::vector<cv::Point>> cells(static_cast<std::size_t>(stats.rows));
   for (int y = 0; y < labels.rows; ++y)
     for (int x = 0; x < labels.cols; ++x)
       if (image.mask.at<std::uint8_t>(y, x)) cells[static_cast<std::size_t>(labels.at<int>(y, x))].emplace_back(x, y);
-  std::vector<bool> island(cells.size());
+  std::vector<Island> island(cells.size(), Island::kNo);
   for (std::size_t c = 1; c < cells.size(); ++c) {
     if (cells[c].empty()) continue;
     const cv::Size2f size = cv::minAreaRect(cells[c]).size;
     const double length = std::max(size.width, size.height) * image.resolution_m;
     const double width = std::min(size.width, size.height) * image.resolution_m;
     if (length > max_size_m || (width < kThinWall_m && length > 1)) continue;
-    island[c] = free_around(hull_of(image, cells[c]), evidence) > 0.62;
+    if (free_outward(hull_of(image, cells[c]), image, evidence) > 0.75)
+      island[c] = width < kThinWall_m ? Island::kThin : Island::kYes;
   }
   return island;
+}
+
+/// What a front hides: from the wall line behind it up to itself.
+struct Niche {
+  Eigen::Vector2d origin, along, out;  ///< a place on the wall line; along it; towards the front
+  double low, high, depth;
+
+  bool holds(const Eigen::Vector2d& p) const {
+    const double u = along.dot(p - origin), v = out.dot(p - origin);
+    return u > low - 0.2 && u < high + 0.2 && v > -0.2 && v < depth + 0.15;
+  }
+};
+
+/// Metres of walls on the line of `back` that look the same way, near the front.
+double length_behind(const std::vector<WallFace>& faces, const Segment& back, const Niche& niche) {
+  double sum = 0;
+  for (const WallFace& face : faces) {
+    const Segment& s = face.segment;
+    if (niche.along.dot(s.direction()) < 0.99 || std::abs(niche.out.dot(s.centre() - back.a)) > 0.12) continue;
+    const double low = niche.along.dot(s.a - niche.origin), high = niche.along.dot(s.b - niche.origin);
+    if (low < niche.high + 1 && high > niche.low - 1) sum += s.length_m();
+  }
+  return sum;
+}
+
+/// Fronts that hide a wall which is seen beside them and looks the same way; and the sides of such things.
+std::vector<bool> stand_before_walls(const std::vector<WallFace>& faces, const Evidence& evidence) {
+  std::vector<bool> furniture(faces.size());
+  std::vector<Niche> niches;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const Segment& front = faces[i].segment;
+    for (const WallFace& other : faces) {
+      const Segment& back = other.segment;
+      const Eigen::Vector2d d = back.direction(), out(-d.y(), d.x());
+      if (d.dot(front.direction()) < std::cos(0.15)) continue;
+      const Niche niche{back.a, d, out, d.dot(front.a - back.a), d.dot(front.b - back.a), out.dot(front.centre() - back.a)};
+      const double max_depth = front.length_m() < kBulky_m ? kBulkyDepth_m : kLongDepth_m;
+      if (niche.depth < 0.2 || niche.depth > max_depth || front.length_m() > kFurnitureLength_m) continue;
+      if (niche.low > back.length_m() + 0.5 || niche.high < -0.5) continue;
+      const Eigen::Vector2d half = 0.5 * niche.depth * out;
+      if (seen_free(front.a - half + 0.1 * d, front.b - half - 0.1 * d, evidence) > 0.3) continue;
+      if (length_behind(faces, back, niche) < front.length_m()) continue;
+      furniture[i] = true;
+      niches.push_back(niche);
+      break;
+    }
+  }
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const Segment& side = faces[i].segment;
+    furniture[i] = furniture[i] || std::any_of(niches.begin(), niches.end(), [&](const Niche& niche) {
+      return std::abs(niche.along.dot(side.direction())) < 0.3 && niche.holds(side.a) && niche.holds(side.b);
+    });
+  }
+  return furniture;
 }
 
 std::string guess_class(double length_m, double width_m) {
@@ -132,28 +197,26 @@ std::string guess_class(double length_m, double width_m) {
 
 }  // namespace
 
-WallSplit split_furniture(const std::vector<WallFace>& faces, const Evidence& evidence, const SemanticsConfig& config) {
+WallSplit find_walls(const Evidence& evidence, const SemanticsConfig& config) {
   WallSplit split;
   const HitImage image = hit_image(evidence);
   if (image.mask.empty()) return split;
+  const std::vector<OrientedCell> cells = oriented_cells(evidence);
   cv::Mat labels;
   int n = 0;
   const cv::Mat stats = touching(image.mask, labels, n);
-  const std::vector<bool> island = find_islands(image, labels, stats, evidence, config.island_max_m);
-  std::vector<WallFace> doubtful;
-  for (const WallFace& face : faces) {
-    const bool stands_free = island[static_cast<std::size_t>(component_of(face.segment, image, labels))];
-    const bool before_wall = std::any_of(faces.begin(), faces.end(), [&](const WallFace& back) {
-      return stands_before(face.segment, back.segment);
-    });
-    if (before_wall)
-      split.furniture.push_back(face);
-    else
-      (stands_free ? doubtful : split.walls).push_back(face);
+  const std::vector<Island> island = find_islands(image, labels, stats, evidence, config.island_max_m);
+  std::vector<WallFace> sure, thin;
+  for (WallFace& face : find_faces(cells, evidence, config.wall_min_m)) {
+    const Island kind = island[static_cast<std::size_t>(component_of(face.segment, image, labels))];
+    (kind == Island::kNo ? sure : kind == Island::kThin ? thin : split.furniture).push_back(std::move(face));
   }
-  const std::vector<WallFace> sure = split.walls;
-  for (const WallFace& face : doubtful)
-    (continues(face.segment, sure, config.door_max_m) ? split.walls : split.furniture).push_back(face);
+  const std::vector<WallFace> anchors = sure;
+  for (WallFace& face : thin)
+    (continues(face.segment, anchors, config.door_max_m) ? sure : split.furniture).push_back(std::move(face));
+  sure = merge_faces(std::move(sure), cells, evidence, kHiddenGap_m);
+  const std::vector<bool> furniture = stand_before_walls(sure, evidence);
+  for (std::size_t i = 0; i < sure.size(); ++i) (furniture[i] ? split.furniture : split.walls).push_back(std::move(sure[i]));
   return split;
 }
 

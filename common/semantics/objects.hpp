@@ -15,9 +15,9 @@ struct WallSplit {
   std::vector<WallFace> walls, furniture;
 };
 
-/// Takes out of the faces: the sides of free-standing things up to config.island_max_m, unless a wall goes on beyond a door-wide
-/// opening; and the fronts of what stands before a longer wall.
-WallSplit split_furniture(const std::vector<WallFace>& faces, const Evidence& evidence, const SemanticsConfig& config);
+/// Faces from the evidence, parted: the sides of free-standing things up to config.island_max_m are no walls (a wall piece between two
+/// doors goes on as a wall beyond them), nor are the fronts and sides of what stands before a wall and hides it.
+WallSplit find_walls(const Evidence& evidence, const SemanticsConfig& config);
 
 /// Footprints of touching cells that were hit and lie on no wall. Without ids and times.
 std::vector<Object> find_objects(const Evidence& evidence, const std::vector<WallFace>& walls);

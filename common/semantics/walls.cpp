@@ -15,9 +15,7 @@ constexpr int kReach = 2;                 // [cells] pieces grow over gaps of on
 constexpr double kLikeAngle_rad = 0.38;   // of cells in one region
 constexpr double kAcross_m = 0.06;        // farther cells are not on the line
 constexpr double kSmallGap_m = 0.35;      // joined whatever was seen in between
-constexpr double kHiddenGap_m = 1.5;      // joined when nothing was seen in between
 constexpr double kJoinAngle_rad = 0.10;
-constexpr double kFurnitureDepth_m = 1.3;
 
 double angle_between(double a, double b) { return std::abs(std::remainder(a - b, kPi)); }
 
@@ -53,16 +51,8 @@ void longest_first(std::vector<WallFace>& faces) {
   });
 }
 
-/// Share of the way from a to b that beams have crossed.
-double seen_free(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Evidence& evidence) {
-  const int n = std::max(1, static_cast<int>((b - a).norm() / 0.1));
-  int crossed = 0;
-  for (int i = 0; i < n; ++i) crossed += evidence.crossings(a + (i + 0.5) / n * (b - a)) > 1;
-  return static_cast<double>(crossed) / n;
-}
-
 /// Thesis: joinable(Set, Seg).
-bool joinable(const WallFace& longer, const WallFace& shorter, const Evidence& evidence) {
+bool joinable(const WallFace& longer, const WallFace& shorter, const Evidence& evidence, double hidden_gap_m) {
   const Segment &l = longer.segment, &s = shorter.segment;
   const Eigen::Vector2d d = l.direction(), n = left_normal(d);
   const double slope = std::abs(std::asin(std::clamp(n.dot(s.direction()), -1.0, 1.0)));
@@ -76,7 +66,7 @@ bool joinable(const WallFace& longer, const WallFace& shorter, const Evidence& e
   const double across = kAcross_m + 0.02 * std::max(0.0, gap);
   if (std::abs(n.dot(s.a - l.a)) > across || std::abs(n.dot(s.b - l.a)) > across) return false;
   if (gap <= kSmallGap_m) return true;
-  if (gap > kHiddenGap_m) return false;
+  if (gap > hidden_gap_m) return false;
   const bool after = low > length;
   const Eigen::Vector2d& near_end = after == flipped ? s.b : s.a;
   return seen_free(after ? l.b : l.a, near_end, evidence) < 0.2;
@@ -103,6 +93,13 @@ void turn_to_free(WallFace& face, const Evidence& evidence) {
 }
 
 }  // namespace
+
+double seen_free(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Evidence& evidence) {
+  const int n = std::max(1, static_cast<int>((b - a).norm() / 0.1));
+  int crossed = 0;
+  for (int i = 0; i < n; ++i) crossed += evidence.crossings(a + (i + 0.5) / n * (b - a)) > 1;
+  return static_cast<double>(crossed) / n;
+}
 
 std::vector<OrientedCell> oriented_cells(const Evidence& evidence) {
   std::vector<OrientedCell> cells;
@@ -164,7 +161,7 @@ std::vector<WallFace> grow_faces(const std::vector<OrientedCell>& cells, double 
 }
 
 std::vector<WallFace> merge_faces(std::vector<WallFace> faces, const std::vector<OrientedCell>& cells,
-                                  const Evidence& evidence) {
+                                  const Evidence& evidence, double hidden_gap_m) {
   for (bool joined = true; joined;) {
     joined = false;
     std::vector<WallFace> merged;
@@ -173,7 +170,7 @@ std::vector<WallFace> merge_faces(std::vector<WallFace> faces, const std::vector
       if (taken[i]) continue;
       WallFace face = std::move(faces[i]);
       for (std::size_t j = i + 1; j < faces.size(); ++j) {
-        if (taken[j] || !joinable(face, faces[j], evidence)) continue;
+        if (taken[j] || !joinable(face, faces[j], evidence, hidden_gap_m)) continue;
         face.cells.insert(face.cells.end(), faces[j].cells.begin(), faces[j].cells.end());
         fit(face, cells);
         taken[j] = joined = true;
@@ -183,28 +180,18 @@ std::vector<WallFace> merge_faces(std::vector<WallFace> faces, const std::vector
     longest_first(merged);
     faces = std::move(merged);
   }
-  return faces;
-}
-
-std::vector<WallFace> find_wall_faces(const Evidence& evidence, const SemanticsConfig& config) {
-  const std::vector<OrientedCell> cells = oriented_cells(evidence);
-  std::vector<WallFace> faces = merge_faces(grow_faces(cells, config.resolution_m), cells, evidence);
-  const auto useless = [&](const WallFace& face) {
-    return face.segment.length_m() < config.wall_min_m || coverage(face, cells, config.resolution_m) < 0.5;
-  };
-  faces.erase(std::remove_if(faces.begin(), faces.end(), useless), faces.end());
   for (WallFace& face : faces) turn_to_free(face, evidence);
   return faces;
 }
 
-bool stands_before(const Segment& front, const Segment& back) {
-  if (front.length_m() >= back.length_m()) return false;
-  const Eigen::Vector2d d = back.direction(), n = left_normal(d);
-  if (d.dot(front.direction()) < std::cos(0.15)) return false;
-  const double depth = n.dot(front.centre() - back.a);
-  if (depth < 0.15 || depth > kFurnitureDepth_m) return false;
-  const double low = d.dot(front.a - back.a), high = d.dot(front.b - back.a);
-  return low < back.length_m() + 0.3 && high > -0.3;
+std::vector<WallFace> find_faces(const std::vector<OrientedCell>& cells, const Evidence& evidence, double min_length_m) {
+  const double resolution_m = evidence.hits().resolution_m();
+  std::vector<WallFace> faces = merge_faces(grow_faces(cells, resolution_m), cells, evidence, 0);
+  const auto useless = [&](const WallFace& face) {
+    return face.segment.length_m() < min_length_m || coverage(face, cells, resolution_m) < 0.5;
+  };
+  faces.erase(std::remove_if(faces.begin(), faces.end(), useless), faces.end());
+  return faces;
 }
 
 }  // namespace modslam

@@ -34,14 +34,14 @@ std::vector<OrientedCell> oriented_cells(const Evidence& evidence);
 std::vector<WallFace> grow_faces(const std::vector<OrientedCell>& cells, double resolution_m);
 
 /// Joins pieces on one line unless free space was seen between them; repeats until nothing joins. Longest first.
+/// @param hidden_gap_m  gaps up to this are bridged where nothing was seen; small ones always are.
 std::vector<WallFace> merge_faces(std::vector<WallFace> faces, const std::vector<OrientedCell>& cells,
-                                  const Evidence& evidence);
+                                  const Evidence& evidence, double hidden_gap_m);
 
-/// The whole chain; faces shorter than config.wall_min_m or poorly covered are left out.
-std::vector<WallFace> find_wall_faces(const Evidence& evidence, const SemanticsConfig& config);
+/// Grown and merged over small gaps; faces shorter than min_length_m or poorly covered are left out.
+std::vector<WallFace> find_faces(const std::vector<OrientedCell>& cells, const Evidence& evidence, double min_length_m);
 
-/// Whether face `front` is the front or a side of something that stands before the wall `back`: both look the same way, the front is
-/// shorter and at most kFurnitureDepth_m before it.
-bool stands_before(const Segment& front, const Segment& back);
+/// Share of the way from a to b that beams have crossed.
+double seen_free(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Evidence& evidence);
 
 }  // namespace modslam
