@@ -9,6 +9,7 @@
 #include "common/maps/map_builder.hpp"
 #include "common/matching/scan_matcher.hpp"
 #include "common/motion/odometry_model.hpp"
+#include "common/semantics/config.hpp"
 
 namespace modslam {
 
@@ -34,6 +35,7 @@ struct SystemConfig {
   EstimatorConfig graph_optimizer;
   LoopDetectorConfig loop_detector;
   MapBuilderConfig map_builder;
+  SemanticsConfig semantics;
 
   /// Calls visit(table) for each struct, in the order of the file.
   template <class Visit>
@@ -44,6 +46,7 @@ struct SystemConfig {
     visit(graph_optimizer);
     visit(loop_detector);
     visit(map_builder);
+    visit(semantics);
   }
 };
 

@@ -15,6 +15,7 @@ constexpr double kHiddenGap_m = 1.5;        // walls go on behind things this lo
 constexpr double kFurnitureLength_m = 5.5;  // of what stands before a wall
 constexpr double kLongDepth_m = 1.3;        // its depth when it is long (counters, shelves) ...
 constexpr double kBulky_m = 2.6, kBulkyDepth_m = 2.2;  // ... and when it is not (beds, cupboards)
+constexpr double kCarDepth_m = 5.2;         // ... and of a parked car
 constexpr int kTouch_cells = 3;      // gaps bridged within one thing
 
 /// Occupied cells as an image; row 0 lowest y.
@@ -88,6 +89,21 @@ double free_outward(const Polygon& hull, const HitImage& image, const Evidence& 
   return asked ? static_cast<double>(crossed) / asked : 0;
 }
 
+/// Share of the inside of a hull that beams have crossed: things hide their inside, corners and branches of walls do not.
+double free_inside(const Polygon& hull, const Evidence& evidence) {
+  Eigen::Vector2d low = hull.front(), high = hull.front();
+  for (const Eigen::Vector2d& p : hull) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  int asked = 0, crossed = 0;
+  for (double x = low.x() + 0.05; x < high.x(); x += 0.1) {
+    for (double y = low.y() + 0.05; y < high.y(); y += 0.1) {
+      if (!contains(hull, {x, y})) continue;
+      ++asked;
+      crossed += evidence.crossings({x, y}) > 1;
+    }
+  }
+  return asked ? static_cast<double>(crossed) / asked : 0;
+}
+
 /// A wall piece between two doors goes on as a wall on the same line.
 bool continues(const Segment& piece, const std::vector<WallFace>& others, double max_gap_m) {
   const Eigen::Vector2d d = piece.direction(), n(-d.y(), d.x());
@@ -129,7 +145,8 @@ std::vector<Island> find_islands(const HitImage& image, const cv::Mat& labels, c
     const double length = std::max(size.width, size.height) * image.resolution_m;
     const double width = std::min(size.width, size.height) * image.resolution_m;
     if (length > max_size_m || (width < kThinWall_m && length > 1)) continue;
-    if (free_outward(hull_of(image, cells[c]), image, evidence) > 0.75)
+    const Polygon hull = hull_of(image, cells[c]);
+    if (free_outward(hull, image, evidence) > 0.6 && (width < kThinWall_m || free_inside(hull, evidence) < 0.4))
       island[c] = width < kThinWall_m ? Island::kThin : Island::kYes;
   }
   return island;
@@ -169,7 +186,9 @@ std::vector<bool> stand_before_walls(const std::vector<WallFace>& faces, const E
       const Eigen::Vector2d d = back.direction(), out(-d.y(), d.x());
       if (d.dot(front.direction()) < std::cos(0.15)) continue;
       const Niche niche{back.a, d, out, d.dot(front.a - back.a), d.dot(front.b - back.a), out.dot(front.centre() - back.a)};
-      const double max_depth = front.length_m() < kBulky_m ? kBulkyDepth_m : kLongDepth_m;
+      const double length = front.length_m();
+      const bool like_car = length > 1.4 && length < 2.3;
+      const double max_depth = like_car ? kCarDepth_m : length < kBulky_m ? kBulkyDepth_m : kLongDepth_m;
       if (niche.depth < 0.2 || niche.depth > max_depth || front.length_m() > kFurnitureLength_m) continue;
       if (niche.low > back.length_m() + 0.5 || niche.high < -0.5) continue;
       const Eigen::Vector2d half = 0.5 * niche.depth * out;
