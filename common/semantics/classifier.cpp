@@ -114,7 +114,7 @@ const Semantics& SemanticClassifier::render(std::int64_t utime) {
     now.doors.push_back({0, door.segment, door.evidence, 0, 0});
     door_lines.push_back(door.segment);
   }
-  now.rooms = find_rooms(raster, walls, door_lines, config_);
+  now.rooms = find_rooms(raster, walls, door_lines, segments_of(split.furniture), config_);
   for (Room& room : now.rooms) room.evidence = wall_evidence(room.outline, split.walls);
   now.objects = find_objects(evidence_, split.walls);
   identities_.carry_over(semantics_, now, utime);

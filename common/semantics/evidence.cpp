@@ -48,19 +48,22 @@ void Evidence::add(const EvidenceScan& scan, const Pose2& T_map_base, int sign) 
     const double twice = 2 * (std::atan2(d.y(), d.x()) + T_map_base.heading);
     directions.emplace_back(std::lround(100 * std::cos(twice)), std::lround(100 * std::sin(twice)));
   }
+  const Pose2 T_map_laser = T_map_base * scan.T_base_laser;
   for (std::size_t i = 0; i < classified.points.size(); ++i) {
     const Eigen::Vector2d p = T_map_base * classified.points[i];
     const int ix = hits_.index(p.x()), iy = hits_.index(p.y());
     HitCell& cell = hits_.at(ix, iy);
     cell.dx_mm += sign * static_cast<int>(std::lround(1000 * (p.x() - hits_.centre_m(ix))));
     cell.dy_mm += sign * static_cast<int>(std::lround(1000 * (p.y() - hits_.centre_m(iy))));
+    const Eigen::Vector2d view = (T_map_laser.translation() - p).normalized();
+    cell.view_x += sign * static_cast<int>(std::lround(100 * view.x()));
+    cell.view_y += sign * static_cast<int>(std::lround(100 * view.y()));
     const int segment = classified.segment_of[i];
     (segment >= 0 ? cell.wall : cell.object) += sign;
     if (segment < 0) continue;
     cell.cos2 += sign * directions[static_cast<std::size_t>(segment)].first;
     cell.sin2 += sign * directions[static_cast<std::size_t>(segment)].second;
   }
-  const Pose2 T_map_laser = T_map_base * scan.T_base_laser;
   for (const FreeBeam& beam : scan.free_beams) {
     const double angle = T_map_laser.heading + beam.bearing_rad;
     const Eigen::Vector2d from = T_map_laser.translation();

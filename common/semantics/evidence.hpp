@@ -16,6 +16,8 @@ struct HitCell {
   std::int32_t dx_mm = 0, dy_mm = 0;    ///< sums of their places relative to the centre of the cell
   std::int32_t cos2 = 0, sin2 = 0;      ///< sums of 100 cos, 100 sin of twice the direction of the straight pieces
 
+  std::int32_t view_x = 0, view_y = 0;  ///< sums of 100 times the unit vector towards the sensor
+
   int hits() const { return wall + object; }
 };
 

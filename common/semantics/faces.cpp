@@ -163,4 +163,10 @@ std::vector<Segment> lengthened(const std::vector<Segment>& lines, double reach_
   return out;
 }
 
+std::vector<Segment> lengthened_through(const std::vector<Segment>& lines, double reach_m) {
+  std::vector<Segment> out;
+  for (const Segment& s : lines) out.push_back({s.a - reach_m * s.direction(), s.b + reach_m * s.direction()});
+  return out;
+}
+
 }  // namespace modslam

@@ -28,4 +28,7 @@ double hull_area_m2(const Face& p, const Face& q);
 /// Every line lengthened at both ends up to the first other line it meets, at most by `reach_m`.
 std::vector<Segment> lengthened(const std::vector<Segment>& lines, double reach_m);
 
+/// Every line lengthened at both ends by `reach_m`, whatever it meets.
+std::vector<Segment> lengthened_through(const std::vector<Segment>& lines, double reach_m);
+
 }  // namespace modslam

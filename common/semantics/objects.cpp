@@ -193,7 +193,7 @@ std::vector<bool> stand_before_walls(const std::vector<WallFace>& faces, const E
       if (niche.low > back.length_m() + 0.5 || niche.high < -0.5) continue;
       const Eigen::Vector2d half = 0.5 * niche.depth * out;
       if (seen_free(front.a - half + 0.1 * d, front.b - half - 0.1 * d, evidence) > 0.3) continue;
-      if (length_behind(faces, back, niche) < front.length_m()) continue;
+      if (length_behind(faces, back, niche) < 0.5 * front.length_m()) continue;
       furniture[i] = true;
       niches.push_back(niche);
       break;

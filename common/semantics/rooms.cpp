@@ -5,12 +5,15 @@
 #include <cmath>
 #include <map>
 #include <opencv2/imgproc.hpp>
+#include <optional>
+#include <set>
 
 namespace modslam {
 namespace {
 
 constexpr double kReach_m = 3.0;          // walls are lengthened by up to this
 constexpr double kFilled = 0.4;           // a face belongs to a region that fills this share of it
+constexpr double kShared = 0.15;          // regions with this share of one face are one room
 constexpr double kExplored = 0.5;         // rooms seen less are not claimed
 constexpr double kConvex = 0.93;          // merged corridor pieces stay this convex
 constexpr double kBranched = 0.62;        // regions that fill less of their hull are split
@@ -76,73 +79,129 @@ Face contour(const Raster& raster, int label) {
   return face;
 }
 
-/// Joins faces of a branched region (corridors round a block, L and T shapes) as long as the pieces stay convex, long ones first.
+/// Joins touching faces of a branched region (corridors round a block, L and T shapes) as long as the pieces stay convex, large
+/// ones first.
 std::vector<Face> convex_pieces(std::vector<Face> faces) {
-  while (faces.size() > 1) {
+  std::set<std::pair<std::size_t, std::size_t>> apart;  // pairs known not to touch; a grown face gets a new index
+  for (;;) {
     double best_area = 0;
     std::size_t best_i = 0, best_j = 0;
     for (std::size_t i = 0; i < faces.size(); ++i) {
       for (std::size_t j = i + 1; j < faces.size(); ++j) {
         const double area = faces[i].area_m2 + faces[j].area_m2;
-        if (area <= best_area || area < kConvex * hull_area_m2(faces[i], faces[j])) continue;
+        if (faces[i].outline.empty() || faces[j].outline.empty() || area <= best_area) continue;
+        if (area < kConvex * hull_area_m2(faces[i], faces[j]) || apart.count({i, j})) continue;
         best_area = area, best_i = i, best_j = j;
       }
     }
     if (best_area == 0) break;
-    const Face joined = united({faces[best_i], faces[best_j]}, 0.01, 0);
-    faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(best_j));
-    faces[best_i] = joined;
+    Face joined = united({faces[best_i], faces[best_j]}, 0.01, 0);
+    if (joined.area_m2 < 0.99 * best_area) {
+      apart.insert({best_i, best_j});
+      continue;
+    }
+    faces[best_i] = faces[best_j] = Face();
+    faces.push_back(std::move(joined));
   }
+  faces.erase(std::remove_if(faces.begin(), faces.end(), [](const Face& face) { return face.outline.empty(); }), faces.end());
   return faces;
 }
+
+/// Regions that turn out to be one room get one name.
+class Unions {
+ public:
+  int root(int label) {
+    const auto found = parent_.find(label);
+    return found == parent_.end() ? label : found->second = root(found->second);
+  }
+  void join(int p, int q) {
+    p = root(p), q = root(q);
+    if (p != q) parent_[std::max(p, q)] = std::min(p, q);
+  }
+
+ private:
+  std::map<int, int> parent_;
+};
+
+using FacesByRegion = std::map<int, std::vector<Face>>;
 
 class RoomFinder {
  public:
   RoomFinder(const Raster& raster, const std::vector<Segment>& walls, const std::vector<Segment>& doors,
-             const SemanticsConfig& config)
-      : raster_(raster), barriers_(walls), config_(config) {
-    barriers_.insert(barriers_.end(), doors.begin(), doors.end());
+             const std::vector<Segment>& furniture, const SemanticsConfig& config)
+      : raster_(raster), walls_(walls), config_(config) {
+    walls_.insert(walls_.end(), doors.begin(), doors.end());
+    all_ = walls_;
+    all_.insert(all_.end(), furniture.begin(), furniture.end());
   }
 
   std::vector<Room> run() {
-    std::map<int, int> pixels_of;
+    const FacesByRegion enclosed_faces = faces_by_region(lengthened(walls_, kReach_m), true);
+    std::map<int, double> area_of;
     for (int y = 0; y < raster_.labels.rows; ++y)
       for (int x = 0; x < raster_.labels.cols; ++x)
-        if (const int label = raster_.labels.at<int>(y, x)) ++pixels_of[label];
-    const auto faces_of = faces_by_region();
-    for (const auto& [label, n] : pixels_of) {
-      const double region_m2 = n * raster_.resolution_m * raster_.resolution_m;
+        if (const int label = raster_.labels.at<int>(y, x))
+          area_of[unions_.root(label)] += raster_.resolution_m * raster_.resolution_m;
+    for (const auto& [label, region_m2] : area_of) {
       if (region_m2 < config_.room_min_m2) continue;
-      const auto found = faces_of.find(label);
-      Face whole = found == faces_of.end() ? Face() : united(found->second, 0.02, 0.03);
-      if (whole.area_m2 < 0.8 * region_m2) {
-        add(contour(raster_, label));
-      } else if (needs_split(whole)) {
-        for (const Face& piece : convex_pieces(found->second)) add(united({piece}, 0.02, 0.03));
-      } else {
-        add(whole);
-      }
+      const Face whole = union_of(enclosed_faces, label);
+      if (covers(whole, region_m2))
+        needs_split(whole) ? add_pieces(label) : add(whole);
+      else
+        add_uncovered(label, region_m2);
     }
     return std::move(rooms_);
   }
 
  private:
-  std::map<int, std::vector<Face>> faces_by_region() const {
-    std::map<int, std::vector<Face>> out;
-    for (Face& face : bounded_faces(lengthened(barriers_, kReach_m))) {
+  /// @param join  whether regions that share a face are one room: nothing stands between them but what hides the floor.
+  FacesByRegion faces_by_region(const std::vector<Segment>& lines, bool join) {
+    FacesByRegion out;
+    for (Face& face : bounded_faces(lines)) {
       const Census here = census(raster_, face);
-      const auto best = std::max_element(here.of_label.begin(), here.of_label.end(),
-                                         [](const auto& p, const auto& q) { return p.second < q.second; });
-      if (best == here.of_label.end() || best->second < kFilled * here.total) continue;
-      out[best->first].push_back(std::move(face));
+      int labelled = 0, best = 0, best_pixels = 0;
+      for (const auto& [label, pixels] : here.of_label) {
+        labelled += pixels;
+        if (pixels > best_pixels) best = label, best_pixels = pixels;
+      }
+      if (best == 0 || labelled < kFilled * here.total) continue;
+      for (const auto& [label, pixels] : here.of_label)
+        if (join && pixels > kShared * here.total) unions_.join(best, label);
+      out[best].push_back(std::move(face));
     }
-    return out;
+    FacesByRegion merged;
+    for (auto& [label, faces] : out) {
+      auto& target = merged[unions_.root(label)];
+      target.insert(target.end(), faces.begin(), faces.end());
+    }
+    return merged;
   }
+
+  static Face union_of(const FacesByRegion& faces, int label) {
+    const auto found = faces.find(label);
+    return found == faces.end() ? Face() : united(found->second, 0.02, 0.03);
+  }
+  static bool covers(const Face& face, double region_m2) { return face.area_m2 >= 0.8 * region_m2; }
 
   static bool needs_split(const Face& face) {
     for (const Polygon& hole : face.holes)
       if (std::abs(signed_area_m2(hole)) > 4) return true;
     return face.area_m2 < kBranched * hull_area_m2(face, face);
+  }
+
+  /// Walls lengthened through every corner cut a branched region into strips and squares.
+  void add_pieces(int label) {
+    if (!strips_) strips_ = faces_by_region(lengthened_through(walls_, kReach_m), false);
+    const auto found = strips_->find(label);
+    if (found == strips_->end()) return;
+    for (const Face& piece : convex_pieces(found->second)) add(united({piece}, 0.02, 0.03));
+  }
+
+  /// Walls do not enclose the region: furniture may, else its own contour stands in.
+  void add_uncovered(int label, double region_m2) {
+    if (!fine_) fine_ = faces_by_region(lengthened_through(all_, kReach_m), false);
+    const Face whole = union_of(*fine_, label);
+    add(covers(whole, region_m2) && whole.holes.empty() ? whole : contour(raster_, label));
   }
 
   void add(const Face& face) {
@@ -181,22 +240,24 @@ class RoomFinder {
   }
 
   bool near_barrier(const Eigen::Vector2d& p) const {
-    return std::any_of(barriers_.begin(), barriers_.end(),
+    return std::any_of(all_.begin(), all_.end(),
                        [&](const Segment& s) { return distance_to_segment(p, s) < kNearBarrier_m; });
   }
 
   const Raster& raster_;
-  std::vector<Segment> barriers_;
+  std::vector<Segment> walls_, all_;  ///< walls and doors; these and furniture
   const SemanticsConfig& config_;
+  Unions unions_;
+  std::optional<FacesByRegion> strips_, fine_;
   std::vector<Room> rooms_;
 };
 
 }  // namespace
 
 std::vector<Room> find_rooms(const Raster& raster, const std::vector<Segment>& walls, const std::vector<Segment>& doors,
-                             const SemanticsConfig& config) {
+                             const std::vector<Segment>& furniture, const SemanticsConfig& config) {
   if (raster.seen.empty()) return {};
-  return RoomFinder(raster, walls, doors, config).run();
+  return RoomFinder(raster, walls, doors, furniture, config).run();
 }
 
 }  // namespace modslam

@@ -14,10 +14,10 @@
 
 namespace modslam {
 
-/// @param walls    faces of walls.  @param doors  jamb to jamb.
+/// @param walls  faces of walls.  @param doors  jamb to jamb.  @param furniture  sides of things that hide walls.
 /// @param raster   labelled by label_regions.
 /// @return rooms without ids, evidence and name.
 std::vector<Room> find_rooms(const Raster& raster, const std::vector<Segment>& walls, const std::vector<Segment>& doors,
-                             const SemanticsConfig& config);
+                             const std::vector<Segment>& furniture, const SemanticsConfig& config);
 
 }  // namespace modslam

@@ -84,12 +84,11 @@ double coverage(const WallFace& face, const std::vector<OrientedCell>& cells, do
   return static_cast<double>(std::count(covered.begin(), covered.end(), true)) / n;
 }
 
-/// Turns the face so that the side which was seen free lies to its left.
-void turn_to_free(WallFace& face, const Evidence& evidence) {
-  const Eigen::Vector2d side = 0.2 * left_normal(face.segment.direction());
-  const double left = seen_free(face.segment.a + side, face.segment.b + side, evidence);
-  const double right = seen_free(face.segment.a - side, face.segment.b - side, evidence);
-  if (right > left) std::swap(face.segment.a, face.segment.b);
+/// Turns the face so that its viewers stand to its left.
+void turn_to_viewers(WallFace& face, const std::vector<OrientedCell>& cells) {
+  Eigen::Vector2d view(0, 0);
+  for (const int c : face.cells) view += cells[static_cast<std::size_t>(c)].view;
+  if (view.dot(left_normal(face.segment.direction())) < 0) std::swap(face.segment.a, face.segment.b);
 }
 
 }  // namespace
@@ -111,6 +110,7 @@ std::vector<OrientedCell> oriented_cells(const Evidence& evidence) {
     if (angle < 0) angle += kPi;
     const Eigen::Vector2d offset(cell.dx_mm, cell.dy_mm);
     cells.push_back({ix, iy, centre + offset / (1000.0 * cell.hits()), angle,
+                     Eigen::Vector2d(cell.view_x, cell.view_y) / (100.0 * cell.hits()),
                      std::min<double>(cell.hits(), kWeightCap),
                      std::clamp(kLogOddsOfBeam * (cell.wall - cell.object), -kLogOddsCap, kLogOddsCap)});
   });
@@ -134,6 +134,7 @@ std::vector<WallFace> grow_faces(const std::vector<OrientedCell>& cells, double 
     taken[static_cast<std::size_t>(seed)] = true;
     const OrientedCell& first = cells[static_cast<std::size_t>(seed)];
     FittedLine line{first.p, {std::cos(first.angle_rad), std::sin(first.angle_rad)}, 0};
+    const double facing = left_normal(line.direction).dot(first.view);
     std::size_t refit_at = 6;
     for (std::size_t k = 0; k < face.cells.size(); ++k) {
       const OrientedCell& from = cells[static_cast<std::size_t>(face.cells[k])];
@@ -144,6 +145,7 @@ std::vector<WallFace> grow_faces(const std::vector<OrientedCell>& cells, double 
           const OrientedCell& cell = cells[static_cast<std::size_t>(*slot - 1)];
           if (angle_between(cell.angle_rad, std::atan2(line.direction.y(), line.direction.x())) > kLikeAngle_rad) continue;
           if (std::abs(left_normal(line.direction).dot(cell.p - line.centre)) > kAcross_m) continue;
+          if (left_normal(line.direction).dot(cell.view) * facing < 0) continue;  // the other face of a thin wall
           taken[static_cast<std::size_t>(*slot - 1)] = true;
           face.cells.push_back(*slot - 1);
         }
@@ -151,7 +153,10 @@ std::vector<WallFace> grow_faces(const std::vector<OrientedCell>& cells, double 
       if (face.cells.size() >= refit_at) {
         refit_at = face.cells.size() * 3 / 2;
         fit(face, cells);
-        if (face.segment.length_m() > 0.3) line = {face.segment.centre(), face.segment.direction(), 0};
+        if (face.segment.length_m() > 0.3) {
+          const Eigen::Vector2d d = face.segment.direction();
+          line = {face.segment.centre(), d.dot(line.direction) < 0 ? Eigen::Vector2d(-d) : d, 0};
+        }
       }
     }
     if (face.cells.size() >= 3 && fit(face, cells)) faces.push_back(std::move(face));
@@ -180,7 +185,7 @@ std::vector<WallFace> merge_faces(std::vector<WallFace> faces, const std::vector
     longest_first(merged);
     faces = std::move(merged);
   }
-  for (WallFace& face : faces) turn_to_free(face, evidence);
+  for (WallFace& face : faces) turn_to_viewers(face, cells);
   return faces;
 }
 

@@ -16,13 +16,14 @@ struct OrientedCell {
   int ix, iy;
   Eigen::Vector2d p;      ///< mean place where its beams ended
   double angle_rad;       ///< of the straight pieces, [0, pi)
+  Eigen::Vector2d view;   ///< mean direction towards the sensors that saw it
   double weight;          ///< beams, capped
   double log_odds;        ///< of being wall rather than something else
 };
 
 /// A wall face and the cells that it stands on.
 struct WallFace {
-  Segment segment;         ///< free space lies to its left; both sides free: either way round
+  Segment segment;         ///< was seen from its left
   std::vector<int> cells;  ///< indices into the oriented cells
   double sigma_m = 0, evidence = 0;
 };
