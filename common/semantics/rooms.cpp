@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <set>
+#include <tuple>
 
 namespace modslam {
 namespace {
@@ -79,29 +80,42 @@ Face contour(const Raster& raster, int label) {
   return face;
 }
 
+bool boxes_touch(const Polygon& p, const Polygon& q) {
+  constexpr double kTouch_m = 0.02;
+  const auto box = [](const Polygon& polygon) {
+    Eigen::Array4d out(1e18, 1e18, 1e18, 1e18);  // least x, y, -x, -y
+    for (const Eigen::Vector2d& c : polygon) out = out.min(Eigen::Array4d(c.x(), c.y(), -c.x(), -c.y()));
+    return out;
+  };
+  const Eigen::Array4d a = box(p), b = box(q);
+  return a[0] <= -b[2] + kTouch_m && b[0] <= -a[2] + kTouch_m && a[1] <= -b[3] + kTouch_m && b[1] <= -a[3] + kTouch_m;
+}
+
 /// Joins touching faces of a branched region (corridors round a block, L and T shapes) as long as the pieces stay convex, large
 /// ones first.
 std::vector<Face> convex_pieces(std::vector<Face> faces) {
-  std::set<std::pair<std::size_t, std::size_t>> apart;  // pairs known not to touch; a grown face gets a new index
-  for (;;) {
-    double best_area = 0;
-    std::size_t best_i = 0, best_j = 0;
-    for (std::size_t i = 0; i < faces.size(); ++i) {
-      for (std::size_t j = i + 1; j < faces.size(); ++j) {
-        const double area = faces[i].area_m2 + faces[j].area_m2;
-        if (faces[i].outline.empty() || faces[j].outline.empty() || area <= best_area) continue;
-        if (area < kConvex * hull_area_m2(faces[i], faces[j]) || apart.count({i, j})) continue;
-        best_area = area, best_i = i, best_j = j;
-      }
-    }
-    if (best_area == 0) break;
-    Face joined = united({faces[best_i], faces[best_j]}, 0.01, 0);
-    if (joined.area_m2 < 0.99 * best_area) {
-      apart.insert({best_i, best_j});
-      continue;
-    }
-    faces[best_i] = faces[best_j] = Face();
+  struct Pair {
+    double area_m2;
+    std::size_t i, j;
+    bool operator<(const Pair& other) const { return std::tie(area_m2, i, j) < std::tie(other.area_m2, other.i, other.j); }
+  };
+  std::set<Pair> pairs;
+  const auto consider = [&](std::size_t i, std::size_t j) {
+    if (faces[i].outline.empty() || !boxes_touch(faces[i].outline, faces[j].outline)) return;
+    const double area = faces[i].area_m2 + faces[j].area_m2;
+    if (area >= kConvex * hull_area_m2(faces[i], faces[j])) pairs.insert({area, i, j});
+  };
+  for (std::size_t j = 0; j < faces.size(); ++j)
+    for (std::size_t i = 0; i < j; ++i) consider(i, j);
+  while (!pairs.empty()) {
+    const Pair best = *pairs.rbegin();
+    pairs.erase(std::prev(pairs.end()));
+    if (faces[best.i].outline.empty() || faces[best.j].outline.empty()) continue;
+    Face joined = united({faces[best.i], faces[best.j]}, 0.01, 0);
+    if (joined.area_m2 < 0.99 * best.area_m2) continue;  // they touch at a corner at most
+    faces[best.i] = faces[best.j] = Face();
     faces.push_back(std::move(joined));
+    for (std::size_t i = 0; i + 1 < faces.size(); ++i) consider(i, faces.size() - 1);
   }
   faces.erase(std::remove_if(faces.begin(), faces.end(), [](const Face& face) { return face.outline.empty(); }), faces.end());
   return faces;

@@ -15,7 +15,7 @@ constexpr int kReach = 2;                 // [cells] pieces grow over gaps of on
 constexpr double kLikeAngle_rad = 0.38;   // of cells in one region
 constexpr double kAcross_m = 0.06;        // farther cells are not on the line
 constexpr double kSmallGap_m = 0.35;      // joined whatever was seen in between
-constexpr double kJoinAngle_rad = 0.10;
+constexpr double kJoinSine = 0.10;        // of the angle between pieces that join
 
 double angle_between(double a, double b) { return std::abs(std::remainder(a - b, kPi)); }
 
@@ -55,15 +55,16 @@ void longest_first(std::vector<WallFace>& faces) {
 bool joinable(const WallFace& longer, const WallFace& shorter, const Evidence& evidence, double hidden_gap_m) {
   const Segment &l = longer.segment, &s = shorter.segment;
   const Eigen::Vector2d d = l.direction(), n = left_normal(d);
-  const double slope = std::abs(std::asin(std::clamp(n.dot(s.direction()), -1.0, 1.0)));
-  if (slope > std::max(kJoinAngle_rad, std::min(0.35, kAcross_m / s.length_m()))) return false;
+  if (std::abs(n.dot(s.a - l.a)) > kAcross_m + 0.02 * hidden_gap_m) return false;
+  const double sine = std::abs(n.dot(s.direction()));
+  if (sine > std::max(kJoinSine, std::min(0.35, kAcross_m / s.length_m()))) return false;
   double low = d.dot(s.a - l.a), high = d.dot(s.b - l.a);
   const bool flipped = low > high;
   if (flipped) std::swap(low, high);
   const double length = l.length_m();
   const double gap = std::max(low - length, -high);
   // A line continues straight: what may be off grows with the gap as the slopes are uncertain.
-  const double across = kAcross_m + 0.02 * std::max(0.0, gap);
+  const double across = kAcross_m + 0.02 * std::clamp(gap, 0.0, hidden_gap_m);
   if (std::abs(n.dot(s.a - l.a)) > across || std::abs(n.dot(s.b - l.a)) > across) return false;
   if (gap <= kSmallGap_m) return true;
   if (gap > hidden_gap_m) return false;
