@@ -27,7 +27,8 @@ struct LineExtractionParameters {
 };
 
 /// @param points  returns of one scan in beam order, any frame. @param radstep  angle between beams [rad].
-/// Cost: about O(N * segments). The same points give the same segments.
+/// Cost: about O(N * segments). The same points give the same segments. A wall across the first and the last
+/// beam of a full circle comes as two segments.
 ClassifiedScan extract_lines(const std::vector<ScanPoint>& points, double radstep,
                              const LineExtractionParameters& parameters);
 
