@@ -12,7 +12,8 @@
 namespace modslam {
 namespace {
 
-constexpr double kReach_m = 3.0;          // walls are lengthened by up to this
+constexpr double kReach_m = 3.0;          // walls are lengthened up to the next one by at most this
+constexpr double kThrough_m = 4.0;        // walls are lengthened across corridors by this
 constexpr double kFilled = 0.4;           // a face belongs to a region that fills this share of it
 constexpr double kShared = 0.15;          // regions with this share of one face are one room
 constexpr double kExplored = 0.5;         // rooms seen less are not claimed
@@ -205,7 +206,7 @@ class RoomFinder {
 
   /// Walls lengthened through every corner cut a branched region into strips and squares.
   void add_pieces(int label) {
-    if (!strips_) strips_ = faces_by_region(lengthened_through(walls_, kReach_m), false);
+    if (!strips_) strips_ = faces_by_region(lengthened_through(walls_, kThrough_m), false);
     const auto found = strips_->find(label);
     if (found == strips_->end()) return;
     for (const Face& piece : convex_pieces(found->second)) add(united({piece}, 0.02, 0.03));
@@ -213,7 +214,7 @@ class RoomFinder {
 
   /// Walls do not enclose the region: furniture may, else its own contour stands in.
   void add_uncovered(int label, double region_m2) {
-    if (!fine_) fine_ = faces_by_region(lengthened_through(all_, kReach_m), false);
+    if (!fine_) fine_ = faces_by_region(lengthened_through(all_, kThrough_m), false);
     const Face whole = union_of(*fine_, label);
     add(covers(whole, region_m2) && whole.holes.empty() ? whole : contour(raster_, label));
   }

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// How good and how fast is the semantic classifier with perfect localisation? Casts rays in a world (GeoJSON: walls, objects, closed
 /// doors) along one of its routes, classifies, scores against the world.
-/// Usage: modslam-bench-semantics WORLD ROUTE|tour OUT_DIR
+/// Usage: modslam-bench-semantics WORLD.geojson ROUTE|tour OUT_DIR, or modslam-bench-semantics RUN.lcm final OUT_DIR for the nodes
+/// of a finished run at their last poses (a picture and timing, no score).
 #include <ctime>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <random>
 
+#include <modslam/graph_node_t.hpp>
+#include <modslam/graph_update_t.hpp>
+
+#include "common/bus/conversions.hpp"
+#include "common/bus/log.hpp"
 #include "common/evaluation/score_json.hpp"
 #include "common/evaluation/semantic_scores.hpp"
 #include "common/semantics/classifier.hpp"
@@ -192,14 +199,43 @@ int bench(const std::string& world_path, const std::string& route_name, const st
   return 0;
 }
 
+int draw_run(const std::string& log_path, const std::string& directory) {
+  LogReader log(log_path);
+  std::map<std::int64_t, graph_node_t> nodes;
+  std::map<std::int64_t, Pose2> poses;
+  for (LogEvent event; log.next(event);) {
+    const auto size = static_cast<int>(event.bytes.size());
+    graph_node_t node{};
+    graph_update_t update{};
+    if (event.channel == "NODE" && node.decode(event.bytes.data(), 0, size) == size) nodes.emplace(node.id, node);
+    if (event.channel == "GRAPH" && update.decode(event.bytes.data(), 0, size) == size)
+      for (const auto& pose : update.poses) poses[pose.id] = to_pose(pose.T_map_base);
+  }
+  SemanticClassifier classifier{SemanticsConfig()};
+  double start = now_ms();
+  for (const auto& [id, node] : nodes) {
+    const auto moved = poses.find(id);
+    classifier.insert(to_scan(node.scan), to_sensor_info(node.sensor), moved != poses.end() ? moved->second : to_pose(node.T_map_base));
+  }
+  std::cout << nodes.size() << " nodes, insert " << (now_ms() - start) / static_cast<double>(nodes.size()) << " ms";
+  start = now_ms();
+  const Semantics& semantics = classifier.render(0);
+  std::cout << ", render " << (now_ms() - start) << " ms of processor time\n"
+            << semantics.walls.size() << " walls, " << semantics.rooms.size() << " rooms, " << semantics.doors.size() << " doors\n";
+  std::ofstream(directory + "/semantic.geojson") << semantic_geojson(semantics);
+  draw(semantics, classifier.evidence(), directory + "/semantic.png");
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc != 4) {
-    std::cerr << "usage: " << argv[0] << " WORLD.geojson ROUTE|tour OUT_DIR\n";
+    std::cerr << "usage: " << argv[0] << " WORLD.geojson ROUTE|tour OUT_DIR | RUN.lcm final OUT_DIR\n";
     return 1;
   }
   try {
+    if (argv[2] == std::string("final")) return draw_run(argv[1], argv[3]);
     return bench(argv[1], argv[2], argv[3]);
   } catch (const std::exception& error) {
     std::cerr << argv[0] << ": " << error.what() << "\n";

@@ -103,7 +103,6 @@ TEST_CASE("A space between walls that nobody has seen is no room", "[semantics]"
   const Semantics& s = classifier.render(1);
   CHECK(s.rooms.size() == 4);  // the four strips around it
   CHECK(room_around(s, {8, 6}) == nullptr);
-  for (const Room& room : s.rooms) CHECK(room.type == RoomType::kCorridor);
 }
 
 TEST_CASE("A car in a garage is an object, neither walls nor room", "[semantics]") {
