@@ -20,7 +20,9 @@ double finite(double value, const char* what) {
   return value;
 }
 
-Eigen::Vector2d to_point(const double (&values)[2]) { return {finite(values[0], "x"), finite(values[1], "y")}; }
+Eigen::Vector2d to_point(const double (&values)[2]) {
+  return {finite(values[0], "x"), finite(values[1], "y")};
+}
 
 template <class Message>
 void put_outline(Message& message, const Polygon& outline) {
@@ -33,7 +35,8 @@ void put_outline(Message& message, const Polygon& outline) {
 
 template <class Message>
 Polygon to_outline(const Message& message) {
-  if (message.npoints < 3) throw BadMessage("outline of " + std::to_string(message.npoints) + " corners");
+  if (message.npoints < 3)
+    throw BadMessage("outline of " + std::to_string(message.npoints) + " corners");
   Polygon outline;
   for (std::size_t i = 0; i < message.x.size(); ++i)
     outline.emplace_back(finite(message.x[i], "x"), finite(message.y[i], "y"));
@@ -87,10 +90,12 @@ object_t to_message(const Object& object) {
   return m;
 }
 
-/// Fills chunks up to kMaxChunkBytes. `list_of` and `count_of` name the array and its length in the message.
+/// Fills chunks up to kMaxChunkBytes. `list_of` and `count_of` name the array and its length in the
+/// message.
 template <class Message, class Thing, class Item>
 std::vector<Message> chunked(const std::vector<Thing>& things, std::vector<Item> Message::*list_of,
-                             std::int32_t Message::*count_of, std::int64_t utime, std::int64_t version) {
+                             std::int32_t Message::*count_of, std::int64_t utime,
+                             std::int64_t version) {
   std::vector<Message> chunks(1);
   int bytes = 0;
   for (const Thing& thing : things) {
@@ -116,23 +121,30 @@ std::vector<Message> chunked(const std::vector<Thing>& things, std::vector<Item>
 
 }  // namespace
 
-std::vector<wall_list_t> to_messages(const std::vector<Wall>& walls, std::int64_t utime, std::int64_t version) {
+std::vector<wall_list_t> to_messages(const std::vector<Wall>& walls, std::int64_t utime,
+                                     std::int64_t version) {
   return chunked(walls, &wall_list_t::walls, &wall_list_t::nwalls, utime, version);
 }
-std::vector<room_list_t> to_messages(const std::vector<Room>& rooms, std::int64_t utime, std::int64_t version) {
+std::vector<room_list_t> to_messages(const std::vector<Room>& rooms, std::int64_t utime,
+                                     std::int64_t version) {
   return chunked(rooms, &room_list_t::rooms, &room_list_t::nrooms, utime, version);
 }
-std::vector<door_list_t> to_messages(const std::vector<Door>& doors, std::int64_t utime, std::int64_t version) {
+std::vector<door_list_t> to_messages(const std::vector<Door>& doors, std::int64_t utime,
+                                     std::int64_t version) {
   return chunked(doors, &door_list_t::doors, &door_list_t::ndoors, utime, version);
 }
-std::vector<object_list_t> to_messages(const std::vector<Object>& objects, std::int64_t utime, std::int64_t version) {
+std::vector<object_list_t> to_messages(const std::vector<Object>& objects, std::int64_t utime,
+                                       std::int64_t version) {
   return chunked(objects, &object_list_t::objects, &object_list_t::nobjects, utime, version);
 }
 
 std::vector<Wall> to_things(const wall_list_t& message) {
   std::vector<Wall> out;
   for (const wall_t& m : message.walls)
-    out.push_back({m.id, {to_point(m.a), to_point(m.b)}, finite(m.evidence, "evidence"), finite(m.sigma_m, "sigma_m")});
+    out.push_back({m.id,
+                   {to_point(m.a), to_point(m.b)},
+                   finite(m.evidence, "evidence"),
+                   finite(m.sigma_m, "sigma_m")});
   return out;
 }
 
@@ -142,8 +154,8 @@ std::vector<Room> to_things(const room_list_t& message) {
     if (m.type != room_t::ROOM && m.type != room_t::CORRIDOR)
       throw BadMessage("room " + std::to_string(m.id) + " has type " + std::to_string(m.type));
     out.push_back({m.id, m.name, m.type == room_t::CORRIDOR ? RoomType::kCorridor : RoomType::kRoom,
-                   finite(m.area_m2, "area_m2"), finite(m.explored, "explored"), finite(m.evidence, "evidence"),
-                   to_outline(m)});
+                   finite(m.area_m2, "area_m2"), finite(m.explored, "explored"),
+                   finite(m.evidence, "evidence"), to_outline(m)});
   }
   return out;
 }
@@ -151,15 +163,16 @@ std::vector<Room> to_things(const room_list_t& message) {
 std::vector<Door> to_things(const door_list_t& message) {
   std::vector<Door> out;
   for (const door_t& m : message.doors)
-    out.push_back({m.id, {to_point(m.a), to_point(m.b)}, finite(m.evidence, "evidence"), m.room_a, m.room_b});
+    out.push_back(
+        {m.id, {to_point(m.a), to_point(m.b)}, finite(m.evidence, "evidence"), m.room_a, m.room_b});
   return out;
 }
 
 std::vector<Object> to_things(const object_list_t& message) {
   std::vector<Object> out;
   for (const object_t& m : message.objects)
-    out.push_back({m.id, m.class_name, finite(m.area_m2, "area_m2"), finite(m.evidence, "evidence"), m.first_utime,
-                   m.last_utime, to_outline(m)});
+    out.push_back({m.id, m.class_name, finite(m.area_m2, "area_m2"), finite(m.evidence, "evidence"),
+                   m.first_utime, m.last_utime, to_outline(m)});
   return out;
 }
 
@@ -167,10 +180,14 @@ SemanticMirror::SemanticMirror(Bus& bus) {
   const auto take = [this](auto& assembler, const auto& message) {
     if (assembler.add(message) && on_change) on_change();
   };
-  bus.subscribe<wall_list_t>(channel::kWalls, [this, take](const wall_list_t& m) { take(walls_, m); });
-  bus.subscribe<room_list_t>(channel::kRooms, [this, take](const room_list_t& m) { take(rooms_, m); });
-  bus.subscribe<door_list_t>(channel::kDoors, [this, take](const door_list_t& m) { take(doors_, m); });
-  bus.subscribe<object_list_t>(channel::kObjects, [this, take](const object_list_t& m) { take(objects_, m); });
+  bus.subscribe<wall_list_t>(channel::kWalls,
+                             [this, take](const wall_list_t& m) { take(walls_, m); });
+  bus.subscribe<room_list_t>(channel::kRooms,
+                             [this, take](const room_list_t& m) { take(rooms_, m); });
+  bus.subscribe<door_list_t>(channel::kDoors,
+                             [this, take](const door_list_t& m) { take(doors_, m); });
+  bus.subscribe<object_list_t>(channel::kObjects,
+                               [this, take](const object_list_t& m) { take(objects_, m); });
 }
 
 }  // namespace modslam

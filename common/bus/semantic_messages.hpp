@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file The semantic map as messages: whole lists in numbered chunks below 60 kB, and their assembly at the consumer.
+/// @file The semantic map as messages: whole lists in numbered chunks below 60 kB, and their
+/// assembly at the consumer.
 #pragma once
 #include <functional>
 #include <map>
@@ -16,12 +17,17 @@
 namespace modslam {
 
 /// Chunks of one version; an empty list is one empty chunk.
-std::vector<wall_list_t> to_messages(const std::vector<Wall>& walls, std::int64_t utime, std::int64_t version);
-std::vector<room_list_t> to_messages(const std::vector<Room>& rooms, std::int64_t utime, std::int64_t version);
-std::vector<door_list_t> to_messages(const std::vector<Door>& doors, std::int64_t utime, std::int64_t version);
-std::vector<object_list_t> to_messages(const std::vector<Object>& objects, std::int64_t utime, std::int64_t version);
+std::vector<wall_list_t> to_messages(const std::vector<Wall>& walls, std::int64_t utime,
+                                     std::int64_t version);
+std::vector<room_list_t> to_messages(const std::vector<Room>& rooms, std::int64_t utime,
+                                     std::int64_t version);
+std::vector<door_list_t> to_messages(const std::vector<Door>& doors, std::int64_t utime,
+                                     std::int64_t version);
+std::vector<object_list_t> to_messages(const std::vector<Object>& objects, std::int64_t utime,
+                                       std::int64_t version);
 
-/// Content of a chunk. @throws BadMessage on non-finite values, outlines of fewer than 3 corners, unknown types.
+/// Content of a chunk. @throws BadMessage on non-finite values, outlines of fewer than 3 corners,
+/// unknown types.
 std::vector<Wall> to_things(const wall_list_t& message);
 std::vector<Room> to_things(const room_list_t& message);
 std::vector<Door> to_things(const door_list_t& message);
@@ -31,10 +37,13 @@ std::vector<Object> to_things(const object_list_t& message);
 template <class Message, class Thing>
 class ListAssembler {
  public:
-  /// @return true when this chunk completes a version; take it from things(). Older versions are passed over.
+  /// @return true when this chunk completes a version; take it from things(). Older versions are
+  /// passed over.
   bool add(const Message& message) {
-    if (message.nchunks < 1 || message.nchunks > 10000 || message.chunk < 0 || message.chunk >= message.nchunks)
-      throw BadMessage("chunk " + std::to_string(message.chunk) + " of " + std::to_string(message.nchunks));
+    if (message.nchunks < 1 || message.nchunks > 10000 || message.chunk < 0 ||
+        message.chunk >= message.nchunks)
+      throw BadMessage("chunk " + std::to_string(message.chunk) + " of " +
+                       std::to_string(message.nchunks));
     std::vector<Thing> content = to_things(message);
     const bool restarted = message.version == 1 && version_ > 1;
     if (message.version < version_ && !restarted) return false;
@@ -68,7 +77,9 @@ class SemanticMirror {
   explicit SemanticMirror(Bus& bus);
   /// Called after any list was renewed.
   std::function<void()> on_change;
-  Semantics semantics() const { return {walls_.things(), rooms_.things(), doors_.things(), objects_.things()}; }
+  Semantics semantics() const {
+    return {walls_.things(), rooms_.things(), doors_.things(), objects_.things()};
+  }
 
  private:
   ListAssembler<wall_list_t, Wall> walls_;

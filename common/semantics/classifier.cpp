@@ -25,12 +25,14 @@ std::vector<Segment> segments_of(const std::vector<WallFace>& faces) {
 /// Labels of the two sides of a door.
 std::pair<int, int> sides(const Raster& raster, const Segment& door) {
   const Eigen::Vector2d d = door.direction(), n(-d.y(), d.x());
-  return {raster.label_at(door.centre() + kBeside_m * n), raster.label_at(door.centre() - kBeside_m * n)};
+  return {raster.label_at(door.centre() + kBeside_m * n),
+          raster.label_at(door.centre() - kBeside_m * n)};
 }
 
-/// Region labels with every candidate closed; candidates that separate nothing are taken out, the least sure first.
-Raster label_with_doors(const Evidence& evidence, const std::vector<Segment>& walls, std::vector<DoorCandidate>& doors,
-                        double min_area_m2) {
+/// Region labels with every candidate closed; candidates that separate nothing are taken out, the
+/// least sure first.
+Raster label_with_doors(const Evidence& evidence, const std::vector<Segment>& walls,
+                        std::vector<DoorCandidate>& doors, double min_area_m2) {
   Raster raster = seen_floor(evidence);
   if (raster.seen.empty()) return raster;
   for (;;) {
@@ -41,7 +43,8 @@ Raster label_with_doors(const Evidence& evidence, const std::vector<Segment>& wa
       const auto [left, right] = sides(raster, door.segment);
       return left != right;
     };
-    const auto end = std::remove_if(doors.begin(), doors.end(), [&](const auto& door) { return !separates(door); });
+    const auto end = std::remove_if(doors.begin(), doors.end(),
+                                    [&](const auto& door) { return !separates(door); });
     if (end == doors.end()) return raster;
     doors.erase(end, doors.end());
   }
@@ -50,9 +53,10 @@ Raster label_with_doors(const Evidence& evidence, const std::vector<Segment>& wa
 double wall_evidence(const Polygon& outline, const std::vector<WallFace>& walls) {
   double sum = 0, length = 0;
   for (const WallFace& wall : walls) {
-    const bool beside = std::any_of(outline.begin(), outline.end(), [&](const Eigen::Vector2d& corner) {
-      return distance_to_segment(corner, wall.segment) < 0.3;
-    });
+    const bool beside =
+        std::any_of(outline.begin(), outline.end(), [&](const Eigen::Vector2d& corner) {
+          return distance_to_segment(corner, wall.segment) < 0.3;
+        });
     if (!beside) continue;
     sum += wall.evidence * wall.segment.length_m();
     length += wall.segment.length_m();
@@ -68,11 +72,13 @@ std::int64_t room_at(const std::vector<Room>& rooms, const Eigen::Vector2d& plac
 
 }  // namespace
 
-void SemanticClassifier::insert(const Scan& scan, const SensorInfo& sensor, const Pose2& T_map_base) {
+void SemanticClassifier::insert(const Scan& scan, const SensorInfo& sensor,
+                                const Pose2& T_map_base) {
   Inserted inserted;
   LineExtractionParameters lines;
   inserted.evidence = make_evidence(scan, sensor, config_.range_limit_m, lines);
-  inserted.jambs = sense_doors(scan, sensor, kDoorDepth_m, config_.door_min_m, config_.door_max_m, config_.range_limit_m);
+  inserted.jambs = sense_doors(scan, sensor, kDoorDepth_m, config_.door_min_m, config_.door_max_m,
+                               config_.range_limit_m);
   inserted.drawn = inserted.wanted = T_map_base;
   evidence_.insert(inserted.evidence, T_map_base);
   scans_.push_back(std::move(inserted));
@@ -83,7 +89,8 @@ int SemanticClassifier::redraw(bool all) {
   for (Inserted& scan : scans_) {
     const double moved = distance(scan.drawn, scan.wanted);
     const double turned = std::abs(wrap_angle(scan.drawn.heading - scan.wanted.heading));
-    if (all ? moved == 0 && turned == 0 : moved < config_.redraw_m && turned < config_.redraw_rad) continue;
+    if (all ? moved == 0 && turned == 0 : moved < config_.redraw_m && turned < config_.redraw_rad)
+      continue;
     evidence_.remove(scan.evidence, scan.drawn);
     evidence_.insert(scan.evidence, scan.wanted);
     scan.drawn = scan.wanted;
@@ -97,18 +104,21 @@ void SemanticClassifier::clear() { *this = SemanticClassifier(config_); }
 std::vector<Segment> SemanticClassifier::jamb_pairs_map() const {
   std::vector<Segment> out;
   for (const Inserted& scan : scans_)
-    for (const JambPair& pair : scan.jambs) out.push_back({scan.drawn * pair.a, scan.drawn * pair.b});
+    for (const JambPair& pair : scan.jambs)
+      out.push_back({scan.drawn * pair.a, scan.drawn * pair.b});
   return out;
 }
 
 const Semantics& SemanticClassifier::render(std::int64_t utime) {
   const WallSplit split = find_walls(evidence_, config_);
-  std::vector<DoorCandidate> doors = find_door_candidates(split.walls, evidence_, jamb_pairs_map(), config_);
+  std::vector<DoorCandidate> doors =
+      find_door_candidates(split.walls, evidence_, jamb_pairs_map(), config_);
   const std::vector<Segment> walls = segments_of(split.walls);
   const Raster raster = label_with_doors(evidence_, walls, doors, config_.room_min_m2);
 
   Semantics now;
-  for (const WallFace& face : split.walls) now.walls.push_back({0, face.segment, face.evidence, face.sigma_m});
+  for (const WallFace& face : split.walls)
+    now.walls.push_back({0, face.segment, face.evidence, face.sigma_m});
   std::vector<Segment> door_lines;
   for (const DoorCandidate& door : doors) {
     now.doors.push_back({0, door.segment, door.evidence, 0, 0});

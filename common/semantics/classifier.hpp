@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file The semantic classifier: scans at poses in, walls, doors, rooms and objects out.
 ///
-/// insert: lines are extracted once, in the robot frame; evidence is added at the pose. set_pose marks a scan that the graph moved;
-/// redraw takes it out and puts it in again. render derives the vector map from the evidence; its cost depends on the
-/// size of the building, not on the number of scans. Without clock: the same calls give the same map.
+/// insert: lines are extracted once, in the robot frame; evidence is added at the pose. set_pose
+/// marks a scan that the graph moved; redraw takes it out and puts it in again. render derives the
+/// vector map from the evidence; its cost depends on the size of the building, not on the number of
+/// scans. Without clock: the same calls give the same map.
 #pragma once
 #include <vector>
 
@@ -17,7 +18,8 @@ namespace modslam {
 
 class SemanticClassifier {
  public:
-  explicit SemanticClassifier(const SemanticsConfig& config) : config_(config), evidence_(config.resolution_m) {}
+  explicit SemanticClassifier(const SemanticsConfig& config)
+      : config_(config), evidence_(config.resolution_m) {}
 
   /// Scans are numbered 0, 1, 2, ... in the order of insertion.
   void insert(const Scan& scan, const SensorInfo& sensor, const Pose2& T_map_base);

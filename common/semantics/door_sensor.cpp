@@ -23,23 +23,27 @@ std::vector<Beam> usable_beams(const Scan& scan, const SensorInfo& sensor) {
 }
 
 Eigen::Vector2d place(const Pose2& T_base_laser, const Beam& beam) {
-  return T_base_laser * Eigen::Vector2d(beam.range_m * std::cos(beam.bearing_rad), beam.range_m * std::sin(beam.bearing_rad));
+  return T_base_laser * Eigen::Vector2d(beam.range_m * std::cos(beam.bearing_rad),
+                                        beam.range_m * std::sin(beam.bearing_rad));
 }
 
 }  // namespace
 
-std::vector<JambPair> sense_doors(const Scan& scan, const SensorInfo& sensor, double depth_m, double min_width_m,
-                                  double max_width_m, double range_limit_m) {
+std::vector<JambPair> sense_doors(const Scan& scan, const SensorInfo& sensor, double depth_m,
+                                  double min_width_m, double max_width_m, double range_limit_m) {
   const std::vector<Beam> beams = usable_beams(scan, sensor);
   const int n = static_cast<int>(beams.size());
   std::vector<JambPair> pairs;
   for (const int step : {1, -1}) {
     for (int i = step > 0 ? 0 : n - 1; i + step >= 0 && i + step < n; i += step) {
       const Beam& prev = beams[static_cast<std::size_t>(i)];
-      if (prev.range_m > range_limit_m || beams[static_cast<std::size_t>(i + step)].range_m - prev.range_m < depth_m)
+      if (prev.range_m > range_limit_m ||
+          beams[static_cast<std::size_t>(i + step)].range_m - prev.range_m < depth_m)
         continue;
       int j = i + step;
-      while (j >= 0 && j < n && beams[static_cast<std::size_t>(j)].range_m - prev.range_m >= depth_m) j += step;
+      while (j >= 0 && j < n &&
+             beams[static_cast<std::size_t>(j)].range_m - prev.range_m >= depth_m)
+        j += step;
       if (j < 0 || j >= n) continue;
       const Beam& last = beams[static_cast<std::size_t>(j)];
       const double angle = std::abs(last.bearing_rad - prev.bearing_rad);

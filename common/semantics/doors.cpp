@@ -8,9 +8,9 @@
 namespace modslam {
 namespace {
 
-constexpr double kJambNear_m = 0.35;   // a scan's jamb belongs to a wall end this near
-constexpr double kOffset_m = 0.35;     // the two jambs of a door may lie this far off one line
-constexpr double kSide_m = 0.35;       // free space must be seen this far on both sides
+constexpr double kJambNear_m = 0.35;  // a scan's jamb belongs to a wall end this near
+constexpr double kOffset_m = 0.35;    // the two jambs of a door may lie this far off one line
+constexpr double kSide_m = 0.35;      // free space must be seen this far on both sides
 constexpr int kVoteCap = 20;
 
 /// The end of a wall face, looking into the gap.
@@ -40,10 +40,13 @@ class JambStore {
 
  private:
   static std::pair<int, int> cell(const Eigen::Vector2d& p) {
-    return {static_cast<int>(std::floor(p.x() / kJambNear_m)), static_cast<int>(std::floor(p.y() / kJambNear_m))};
+    return {static_cast<int>(std::floor(p.x() / kJambNear_m)),
+            static_cast<int>(std::floor(p.y() / kJambNear_m))};
   }
   static bool matches(const Segment& s, const Segment& t) {
-    const auto near = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q) { return (p - q).norm() < kJambNear_m; };
+    const auto near = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
+      return (p - q).norm() < kJambNear_m;
+    };
     return (near(s.a, t.a) && near(s.b, t.b)) || (near(s.a, t.b) && near(s.b, t.a));
   }
   const std::vector<Segment>& pairs_;
@@ -52,8 +55,8 @@ class JambStore {
 
 class DoorFinder {
  public:
-  DoorFinder(const std::vector<WallFace>& faces, const Evidence& evidence, const std::vector<Segment>& pairs,
-             const SemanticsConfig& config)
+  DoorFinder(const std::vector<WallFace>& faces, const Evidence& evidence,
+             const std::vector<Segment>& pairs, const SemanticsConfig& config)
       : faces_(faces), evidence_(evidence), store_(pairs), config_(config) {
     for (const WallFace& face : faces) {
       const Eigen::Vector2d d = face.segment.direction();
@@ -73,7 +76,8 @@ class DoorFinder {
  private:
   bool meets_wall(const WallEnd& end) const {
     return std::any_of(faces_.begin(), faces_.end(), [&](const WallFace& face) {
-      return face.segment.length_m() > 0.8 && std::abs(end.out.dot(face.segment.direction())) < 0.5 &&
+      return face.segment.length_m() > 0.8 &&
+             std::abs(end.out.dot(face.segment.direction())) < 0.5 &&
              distance_to_segment(end.p, face.segment) < 0.25;
     });
   }
@@ -85,7 +89,8 @@ class DoorFinder {
     if (width < config_.door_min_m || width > config_.door_max_m) return;
     if (e.out.dot(f.out) > -0.95) return;
     const double along = e.out.dot(gap);
-    if (along < 0.9 * width || std::sqrt(std::max(0.0, width * width - along * along)) > kOffset_m) return;
+    if (along < 0.9 * width || std::sqrt(std::max(0.0, width * width - along * along)) > kOffset_m)
+      return;
     if (e.at_corner && f.at_corner) return;  // the mouth of a corridor
     consider({e.p, f.p}, 2.0);
   }
@@ -138,7 +143,8 @@ class DoorFinder {
       const double t = static_cast<double>(i) / n;
       if (std::min(t, 1 - t) * gap.length_m() < 0.12) continue;
       const Eigen::Vector2d p = gap.a + t * (gap.b - gap.a);
-      const HitCell* cell = evidence_.hits().find(evidence_.hits().index(p.x()), evidence_.hits().index(p.y()));
+      const HitCell* cell =
+          evidence_.hits().find(evidence_.hits().index(p.x()), evidence_.hits().index(p.y()));
       const int crossings = evidence_.crossings(p);
       ++asked;
       crossed += crossings > 1;
@@ -151,17 +157,20 @@ class DoorFinder {
     const Eigen::Vector2d d = gap.direction(), n(-d.y(), d.x());
     for (const double side : {-kSide_m, kSide_m}) {
       int crossed = 0;
-      for (const double t : {0.3, 0.5, 0.7}) crossed += evidence_.crossings(gap.a + t * (gap.b - gap.a) + side * n) > 1;
+      for (const double t : {0.3, 0.5, 0.7})
+        crossed += evidence_.crossings(gap.a + t * (gap.b - gap.a) + side * n) > 1;
       if (crossed < 2) return false;
     }
     return true;
   }
 
-  /// Candidates of one opening become one: the best, moved to the middle of those alike (the two faces of a wall).
+  /// Candidates of one opening become one: the best, moved to the middle of those alike (the two
+  /// faces of a wall).
   std::vector<DoorCandidate> without_overlap() {
-    std::stable_sort(found_.begin(), found_.end(), [](const DoorCandidate& a, const DoorCandidate& b) {
-      return a.evidence - 0.3 * a.segment.length_m() > b.evidence - 0.3 * b.segment.length_m();
-    });
+    std::stable_sort(
+        found_.begin(), found_.end(), [](const DoorCandidate& a, const DoorCandidate& b) {
+          return a.evidence - 0.3 * a.segment.length_m() > b.evidence - 0.3 * b.segment.length_m();
+        });
     std::vector<DoorCandidate> kept;
     std::vector<bool> taken(found_.size());
     for (std::size_t i = 0; i < found_.size(); ++i) {
@@ -173,8 +182,10 @@ class DoorFinder {
         Segment other = found_[j].segment;
         if (taken[j] || !overlaps(best.segment, other)) continue;
         taken[j] = true;
-        if ((other.b - other.a).dot(best.segment.b - best.segment.a) < 0) std::swap(other.a, other.b);
-        if ((other.a - best.segment.a).norm() > 0.4 || (other.b - best.segment.b).norm() > 0.4) continue;
+        if ((other.b - other.a).dot(best.segment.b - best.segment.a) < 0)
+          std::swap(other.a, other.b);
+        if ((other.a - best.segment.a).norm() > 0.4 || (other.b - best.segment.b).norm() > 0.4)
+          continue;
         a += other.a;
         b += other.b;
         ++members;
@@ -200,8 +211,10 @@ class DoorFinder {
 
 }  // namespace
 
-std::vector<DoorCandidate> find_door_candidates(const std::vector<WallFace>& faces, const Evidence& evidence,
-                                                const std::vector<Segment>& jamb_pairs, const SemanticsConfig& config) {
+std::vector<DoorCandidate> find_door_candidates(const std::vector<WallFace>& faces,
+                                                const Evidence& evidence,
+                                                const std::vector<Segment>& jamb_pairs,
+                                                const SemanticsConfig& config) {
   return DoorFinder(faces, evidence, jamb_pairs, config).run();
 }
 

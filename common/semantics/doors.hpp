@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file Doors: openings between wall ends that beams have passed, confirmed by the jamb pairs that single scans saw.
+/// @file Doors: openings between wall ends that beams have passed, confirmed by the jamb pairs that
+/// single scans saw.
 #pragma once
 #include <vector>
 
@@ -17,8 +18,11 @@ struct DoorCandidate {
 };
 
 /// @param jamb_pairs  of all scans, map frame.
-/// @return candidates that do not overlap, best first. Whether one separates two regions is not judged here.
-std::vector<DoorCandidate> find_door_candidates(const std::vector<WallFace>& faces, const Evidence& evidence,
-                                                const std::vector<Segment>& jamb_pairs, const SemanticsConfig& config);
+/// @return candidates that do not overlap, best first. Whether one separates two regions is not
+/// judged here.
+std::vector<DoorCandidate> find_door_candidates(const std::vector<WallFace>& faces,
+                                                const Evidence& evidence,
+                                                const std::vector<Segment>& jamb_pairs,
+                                                const SemanticsConfig& config);
 
 }  // namespace modslam

@@ -6,8 +6,8 @@
 
 namespace modslam {
 namespace {
-constexpr double kShortOfHit_m = 0.12;       // a beam proves nothing about the last piece before its end
-constexpr std::size_t kMaxFreeBeams = 400;   // denser beams cross the same cells
+constexpr double kShortOfHit_m = 0.12;  // a beam proves nothing about the last piece before its end
+constexpr std::size_t kMaxFreeBeams = 400;  // denser beams cross the same cells
 }  // namespace
 
 EvidenceScan make_evidence(const Scan& scan, const SensorInfo& sensor, double range_limit_m,
@@ -22,10 +22,13 @@ EvidenceScan make_evidence(const Scan& scan, const SensorInfo& sensor, double ra
   for (std::size_t i = 0; i < scan.ranges_m.size(); i += stride) {
     const float range = scan.ranges_m[i];
     const bool nothing = !is_return(range, sensor);
-    if (nothing && !(sensor.no_return_is_free && (range >= sensor.range_max_m || range <= 0))) continue;
-    const double proven = nothing ? std::min(sensor.range_max_m, range_limit_m) : range - kShortOfHit_m;
+    if (nothing && !(sensor.no_return_is_free && (range >= sensor.range_max_m || range <= 0)))
+      continue;
+    const double proven =
+        nothing ? std::min(sensor.range_max_m, range_limit_m) : range - kShortOfHit_m;
     if (proven > 0)
-      out.free_beams.push_back({static_cast<float>(scan.bearing_rad(i)), static_cast<float>(std::min(proven, range_limit_m))});
+      out.free_beams.push_back({static_cast<float>(scan.bearing_rad(i)),
+                                static_cast<float>(std::min(proven, range_limit_m))});
   }
   return out;
 }
@@ -77,9 +80,11 @@ void Evidence::trace(const Eigen::Vector2d& from, const Eigen::Vector2d& to, int
   const double x = from.x() * scale, y = from.y() * scale;
   const double dx = to.x() * scale - x, dy = to.y() * scale - y;
   int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
-  const int end_x = static_cast<int>(std::floor(x + dx)), end_y = static_cast<int>(std::floor(y + dy));
+  const int end_x = static_cast<int>(std::floor(x + dx)),
+            end_y = static_cast<int>(std::floor(y + dy));
   const int step_x = dx > 0 ? 1 : -1, step_y = dy > 0 ? 1 : -1;
-  const double delta_x = dx != 0 ? std::abs(1 / dx) : 1e18, delta_y = dy != 0 ? std::abs(1 / dy) : 1e18;
+  const double delta_x = dx != 0 ? std::abs(1 / dx) : 1e18,
+               delta_y = dy != 0 ? std::abs(1 / dy) : 1e18;
   double next_x = dx != 0 ? (dx > 0 ? ix + 1 - x : x - ix) * delta_x : 1e18;
   double next_y = dy != 0 ? (dy > 0 ? iy + 1 - y : y - iy) * delta_y : 1e18;
   for (int left = std::abs(end_x - ix) + std::abs(end_y - iy); left >= 0; --left) {

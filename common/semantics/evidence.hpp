@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file Evidence of all scans, laid into the map: which cells were hit as wall or as something else, which were crossed.
+/// @file Evidence of all scans, laid into the map: which cells were hit as wall or as something
+/// else, which were crossed.
 ///
-/// All sums are integers, so that taking a scan out again restores exactly what was there before: after a loop closure only
-/// the scans that moved are taken out and put in again.
+/// All sums are integers, so that taking a scan out again restores exactly what was there before:
+/// after a loop closure only the scans that moved are taken out and put in again.
 #pragma once
 #include "common/scan/scan.hpp"
 #include "common/semantics/line_extraction.hpp"
@@ -12,9 +13,12 @@ namespace modslam {
 
 /// What ended in a cell.
 struct HitCell {
-  std::int32_t wall = 0, object = 0;    ///< beams that ended here, on a straight piece of their scan or not
-  std::int32_t dx_mm = 0, dy_mm = 0;    ///< sums of their places relative to the centre of the cell
-  std::int32_t cos2 = 0, sin2 = 0;      ///< sums of 100 cos, 100 sin of twice the direction of the straight pieces
+  std::int32_t wall = 0,
+               object = 0;  ///< beams that ended here, on a straight piece of their scan or not
+  std::int32_t dx_mm = 0, dy_mm = 0;  ///< sums of their places relative to the centre of the cell
+  std::int32_t cos2 = 0,
+               sin2 =
+                   0;  ///< sums of 100 cos, 100 sin of twice the direction of the straight pieces
 
   std::int32_t view_x = 0, view_y = 0;  ///< sums of 100 times the unit vector towards the sensor
 

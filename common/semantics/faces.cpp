@@ -42,15 +42,21 @@ class Workshop {
     }
     return s;
   }
-  GEOSGeometry* line(const Segment& s) const { return GEOSGeom_createLineString_r(geos_, sequence({s.a, s.b}, false)); }
-  GEOSGeometry* ring(const Polygon& points) const { return GEOSGeom_createLinearRing_r(geos_, sequence(points, true)); }
+  GEOSGeometry* line(const Segment& s) const {
+    return GEOSGeom_createLineString_r(geos_, sequence({s.a, s.b}, false));
+  }
+  GEOSGeometry* ring(const Polygon& points) const {
+    return GEOSGeom_createLinearRing_r(geos_, sequence(points, true));
+  }
   GEOSGeometry* polygon(const Face& face) const {
     std::vector<GEOSGeometry*> holes;
     for (const Polygon& hole : face.holes) holes.push_back(ring(hole));
-    return GEOSGeom_createPolygon_r(geos_, ring(face.outline), holes.data(), static_cast<unsigned>(holes.size()));
+    return GEOSGeom_createPolygon_r(geos_, ring(face.outline), holes.data(),
+                                    static_cast<unsigned>(holes.size()));
   }
   Geometry collection(int type, std::vector<GEOSGeometry*> parts) const {
-    return own(GEOSGeom_createCollection_r(geos_, type, parts.data(), static_cast<unsigned>(parts.size())));
+    return own(GEOSGeom_createCollection_r(geos_, type, parts.data(),
+                                           static_cast<unsigned>(parts.size())));
   }
 
   Polygon points(const GEOSGeometry* ring) const {
@@ -79,7 +85,8 @@ class Workshop {
     if (!geometry) return out;
     for (int i = 0; i < GEOSGetNumGeometries_r(geos_, geometry); ++i) {
       const GEOSGeometry* part = GEOSGetGeometryN_r(geos_, geometry, i);
-      if (GEOSGeomTypeId_r(geos_, part) == GEOS_POLYGON && !GEOSisEmpty_r(geos_, part)) out.push_back(face(part));
+      if (GEOSGeomTypeId_r(geos_, part) == GEOS_POLYGON && !GEOSisEmpty_r(geos_, part))
+        out.push_back(face(part));
     }
     return out;
   }
@@ -92,7 +99,9 @@ class Workshop {
   Geos geos_;
 };
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 }  // namespace
 
@@ -122,10 +131,12 @@ Face united(const std::vector<Face>& faces, double glue_m, double simplify_m) {
     const Geometry fat = w.buffer(joined.get(), glue_m);
     joined = fat ? w.buffer(fat.get(), -glue_m) : std::move(joined);
   }
-  if (joined && simplify_m > 0) joined = w.own(GEOSTopologyPreserveSimplify_r(w.geos(), joined.get(), simplify_m));
+  if (joined && simplify_m > 0)
+    joined = w.own(GEOSTopologyPreserveSimplify_r(w.geos(), joined.get(), simplify_m));
   const std::vector<Face> pieces = w.faces(joined.get());
-  const auto largest = std::max_element(pieces.begin(), pieces.end(),
-                                        [](const Face& p, const Face& q) { return p.area_m2 < q.area_m2; });
+  const auto largest =
+      std::max_element(pieces.begin(), pieces.end(),
+                       [](const Face& p, const Face& q) { return p.area_m2 < q.area_m2; });
   return largest == pieces.end() ? Face() : *largest;
 }
 
@@ -134,7 +145,8 @@ double hull_area_m2(const Face& p, const Face& q) {
   const Eigen::Vector2d origin = p.outline.front();
   for (const Face* face : {&p, &q})
     for (const Eigen::Vector2d& corner : face->outline)
-      points.emplace_back(static_cast<float>(corner.x() - origin.x()), static_cast<float>(corner.y() - origin.y()));
+      points.emplace_back(static_cast<float>(corner.x() - origin.x()),
+                          static_cast<float>(corner.y() - origin.y()));
   cv::convexHull(points, hull);
   return cv::contourArea(hull);
 }
@@ -150,9 +162,9 @@ std::vector<Segment> lengthened(const std::vector<Segment>& lines, double reach_
       const Eigen::Vector2d e = lines[j].b - lines[j].a;
       const double denominator = cross(d, e);
       if (std::abs(denominator) < 0.2 * e.norm()) continue;
-      const double along = cross(lines[j].a - s.a, e) / denominator;       // from s.a on s
-      const double where = cross(lines[j].a - s.a, d) / denominator;       // 0..1 on line j
-      const double slack = 0.3 / e.norm();                                 // its end may be as unsure as ours
+      const double along = cross(lines[j].a - s.a, e) / denominator;  // from s.a on s
+      const double where = cross(lines[j].a - s.a, d) / denominator;  // 0..1 on line j
+      const double slack = 0.3 / e.norm();  // its end may be as unsure as ours
       if (where < -slack || where > 1 + slack) continue;
       if (along > s.length_m() - 0.1) after = std::min(after, std::max(0.0, along - s.length_m()));
       if (along < 0.1) before = std::min(before, std::max(0.0, -along));
@@ -165,7 +177,8 @@ std::vector<Segment> lengthened(const std::vector<Segment>& lines, double reach_
 
 std::vector<Segment> lengthened_through(const std::vector<Segment>& lines, double reach_m) {
   std::vector<Segment> out;
-  for (const Segment& s : lines) out.push_back({s.a - reach_m * s.direction(), s.b + reach_m * s.direction()});
+  for (const Segment& s : lines)
+    out.push_back({s.a - reach_m * s.direction(), s.b + reach_m * s.direction()});
   return out;
 }
 

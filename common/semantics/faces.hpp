@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file Planar subdivision by GEOS: lines in, bounded faces out; unions and hulls of faces. The room outlines are made of these.
+/// @file Planar subdivision by GEOS: lines in, bounded faces out; unions and hulls of faces. The
+/// room outlines are made of these.
 #pragma once
 #include <memory>
 #include <vector>
@@ -15,10 +16,12 @@ struct Face {
   double area_m2 = 0;
 };
 
-/// The bounded faces of the arrangement of the lines (thesis 3.4.2: all loops of the wall graph, crossings split).
+/// The bounded faces of the arrangement of the lines (thesis 3.4.2: all loops of the wall graph,
+/// crossings split).
 std::vector<Face> bounded_faces(const std::vector<Segment>& lines);
 
-/// Union of faces; gaps up to 2 * glue_m are closed. Largest piece only; outlines are simplified to `simplify_m`.
+/// Union of faces; gaps up to 2 * glue_m are closed. Largest piece only; outlines are simplified to
+/// `simplify_m`.
 /// @return area 0 when there is nothing.
 Face united(const std::vector<Face>& faces, double glue_m, double simplify_m);
 

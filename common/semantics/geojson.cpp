@@ -13,7 +13,9 @@ double rounded(double value) { return std::round(value * 1000) / 1000; }
 
 Json place(const Eigen::Vector2d& p) { return {rounded(p.x()), rounded(p.y())}; }
 
-Json line(const Segment& s) { return {{"type", "LineString"}, {"coordinates", {place(s.a), place(s.b)}}}; }
+Json line(const Segment& s) {
+  return {{"type", "LineString"}, {"coordinates", {place(s.a), place(s.b)}}};
+}
 
 Json polygon(const Polygon& outline) {
   Json ring = Json::array();
@@ -23,7 +25,9 @@ Json polygon(const Polygon& outline) {
 }
 
 Json feature(Json properties, Json geometry) {
-  return {{"type", "Feature"}, {"properties", std::move(properties)}, {"geometry", std::move(geometry)}};
+  return {{"type", "Feature"},
+          {"properties", std::move(properties)},
+          {"geometry", std::move(geometry)}};
 }
 
 std::string name(const char* kind, std::int64_t id) { return kind + std::to_string(id); }

@@ -11,7 +11,9 @@ namespace {
 /// Metres that two faces on nearly one line have in common.
 double overlap(const Wall& p, const Wall& q) {
   const Eigen::Vector2d d = p.segment.direction(), n(-d.y(), d.x());
-  if (d.dot(q.segment.direction()) < 0.97 || std::abs(n.dot(q.segment.centre() - p.segment.a)) > 0.15) return 0;
+  if (d.dot(q.segment.direction()) < 0.97 ||
+      std::abs(n.dot(q.segment.centre() - p.segment.a)) > 0.15)
+    return 0;
   const double low = std::max(0.0, d.dot(q.segment.a - p.segment.a));
   const double high = std::min(p.segment.length_m(), d.dot(q.segment.b - p.segment.a));
   return std::max(0.0, high - low);
@@ -51,7 +53,8 @@ double overlap(const Object& p, const Object& q) { return overlap(p.outline, q.o
 
 /// Greedy by the largest overlap; ties by order. `on_match(old, new)` sees every pair.
 template <class Thing, class OnMatch>
-void match(const std::vector<Thing>& before, std::vector<Thing>& now, std::int64_t& next, OnMatch&& on_match) {
+void match(const std::vector<Thing>& before, std::vector<Thing>& now, std::int64_t& next,
+           OnMatch&& on_match) {
   struct Pair {
     double overlap;
     std::size_t before, now;
@@ -63,7 +66,8 @@ void match(const std::vector<Thing>& before, std::vector<Thing>& now, std::int64
       if (common > 0) pairs.push_back({common, i, j});
     }
   }
-  std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& p, const Pair& q) { return p.overlap > q.overlap; });
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const Pair& p, const Pair& q) { return p.overlap > q.overlap; });
   std::vector<bool> used(before.size());
   for (const Pair& pair : pairs) {
     if (used[pair.before] || now[pair.now].id != 0) continue;
@@ -81,7 +85,8 @@ void Identities::carry_over(const Semantics& before, Semantics& now, std::int64_
   const auto nothing = [](const auto&, auto&) {};
   match(before.walls, now.walls, next_wall_, nothing);
   match(before.doors, now.doors, next_door_, nothing);
-  match(before.rooms, now.rooms, next_room_, [](const Room& old, Room& room) { room.name = old.name; });
+  match(before.rooms, now.rooms, next_room_,
+        [](const Room& old, Room& room) { room.name = old.name; });
   for (Object& object : now.objects) object.first_utime = object.last_utime = utime;
   match(before.objects, now.objects, next_object_, [](const Object& old, Object& object) {
     object.first_utime = old.first_utime;

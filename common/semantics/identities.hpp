@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file Ids that survive an update: each thing takes the id of the old thing that it overlaps most; a new thing gets a new id.
+/// @file Ids that survive an update: each thing takes the id of the old thing that it overlaps
+/// most; a new thing gets a new id.
 #pragma once
 #include "common/semantics/types.hpp"
 

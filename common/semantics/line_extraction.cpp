@@ -32,8 +32,12 @@ struct Moments {
 
 class Extractor {
  public:
-  Extractor(const std::vector<ScanPoint>& points, double radstep, const LineExtractionParameters& parameters)
-      : points_(points), radstep_(std::abs(radstep)), parameters_(parameters), claimed_(points.size(), -1) {}
+  Extractor(const std::vector<ScanPoint>& points, double radstep,
+            const LineExtractionParameters& parameters)
+      : points_(points),
+        radstep_(std::abs(radstep)),
+        parameters_(parameters),
+        claimed_(points.size(), -1) {}
 
   ClassifiedScan run() {
     const int n = static_cast<int>(points_.size());
@@ -48,7 +52,8 @@ class Extractor {
   }
 
  private:
-  /// Steps through the beams by a stride near the golden section: spread like random draws, yet always the same.
+  /// Steps through the beams by a stride near the golden section: spread like random draws, yet
+  /// always the same.
   static std::vector<int> seed_order(int n) {
     std::vector<int> order;
     if (n == 0) return order;
@@ -64,7 +69,8 @@ class Extractor {
   const Eigen::Vector2d& at(int i) const { return points_[static_cast<std::size_t>(i)].p; }
 
   double allowed_gap(int i) const {
-    return std::max(parameters_.max_gap_m, 3.0 * points_[static_cast<std::size_t>(i)].range_m * radstep_);
+    return std::max(parameters_.max_gap_m,
+                    3.0 * points_[static_cast<std::size_t>(i)].range_m * radstep_);
   }
 
   void grow_from(int seed) {
@@ -75,7 +81,8 @@ class Extractor {
     for (int pass = 0; pass < 3; ++pass) {
       Moments moments;
       const bool wide = pass == 0;
-      spread(seed, normal, offset, wide ? 1.6 * parameters_.across_m : parameters_.across_m, first, last, moments);
+      spread(seed, normal, offset, wide ? 1.6 * parameters_.across_m : parameters_.across_m, first,
+             last, moments);
       if (moments.n < 3) return;
       const FittedLine line = moments.line();
       normal = {-line.direction.y(), line.direction.x()};
@@ -100,7 +107,8 @@ class Extractor {
     }
     int best = 0, best_votes = 0;
     for (int b = 0; b < kAngleBuckets; ++b) {
-      const int sum = votes[b] + votes[(b + 1) % kAngleBuckets] + votes[(b + kAngleBuckets - 1) % kAngleBuckets];
+      const int sum = votes[b] + votes[(b + 1) % kAngleBuckets] +
+                      votes[(b + kAngleBuckets - 1) % kAngleBuckets];
       if (sum + votes[b] > best_votes) best = b, best_votes = sum + votes[b];
     }
     if (best_votes < 4) return false;
@@ -111,8 +119,8 @@ class Extractor {
   }
 
   /// Walks from the seed both ways along the beams while the points stay on the line without a gap.
-  void spread(int seed, const Eigen::Vector2d& normal, double offset, double across, int& first, int& last,
-              Moments& moments) const {
+  void spread(int seed, const Eigen::Vector2d& normal, double offset, double across, int& first,
+              int& last, Moments& moments) const {
     const int n = static_cast<int>(points_.size());
     first = last = seed;
     if (std::abs(normal.dot(at(seed)) - offset) <= across) moments.add(at(seed), 1);
@@ -140,14 +148,18 @@ class Extractor {
     std::vector<int> members;
     double low = 1e9, high = -1e9;
     for (int i = first; i <= last; ++i) {
-      if (claimed_[static_cast<std::size_t>(i)] >= 0 || std::abs(normal.dot(at(i)) - offset) > parameters_.across_m)
+      if (claimed_[static_cast<std::size_t>(i)] >= 0 ||
+          std::abs(normal.dot(at(i)) - offset) > parameters_.across_m)
         continue;
       members.push_back(i);
       low = std::min(low, along.dot(at(i)));
       high = std::max(high, along.dot(at(i)));
     }
-    if (static_cast<int>(members.size()) < parameters_.min_points || high - low < parameters_.min_length_m) return;
-    for (const int i : members) claimed_[static_cast<std::size_t>(i)] = static_cast<int>(segments_.size());
+    if (static_cast<int>(members.size()) < parameters_.min_points ||
+        high - low < parameters_.min_length_m)
+      return;
+    for (const int i : members)
+      claimed_[static_cast<std::size_t>(i)] = static_cast<int>(segments_.size());
     segments_.push_back({offset * normal + low * along, offset * normal + high * along});
   }
 
@@ -165,7 +177,8 @@ ClassifiedScan extract_lines(const std::vector<ScanPoint>& points, double radste
   return Extractor(points, radstep, parameters).run();
 }
 
-FittedLine fit_line(const std::vector<Eigen::Vector2d>& points, const std::vector<double>& weights) {
+FittedLine fit_line(const std::vector<Eigen::Vector2d>& points,
+                    const std::vector<double>& weights) {
   const Eigen::Vector2d origin = points.front();  // keeps the sums small far from the map's origin
   Moments moments;
   for (std::size_t i = 0; i < points.size(); ++i) moments.add(points[i] - origin, weights[i]);

@@ -15,8 +15,9 @@ struct WallSplit {
   std::vector<WallFace> walls, furniture;
 };
 
-/// Faces from the evidence, parted: the sides of free-standing things up to config.island_max_m are no walls (a wall piece between two
-/// doors goes on as a wall beyond them), nor are the fronts and sides of what stands before a wall and hides it.
+/// Faces from the evidence, parted: the sides of free-standing things up to config.island_max_m are
+/// no walls (a wall piece between two doors goes on as a wall beyond them), nor are the fronts and
+/// sides of what stands before a wall and hides it.
 WallSplit find_walls(const Evidence& evidence, const SemanticsConfig& config);
 
 /// Footprints of touching cells that were hit and lie on no wall. Without ids and times.

@@ -63,7 +63,8 @@ Raster seen_floor(const Evidence& evidence) {
   evidence.hits().each([&](int ix, int iy, const HitCell& cell) {  // furniture stands on floor
     if (cell.hits() == 0) return;
     const int x = (ix >> 1) - raster.ix0, y = (iy >> 1) - raster.iy0;
-    if (x >= 0 && y >= 0 && x < raster.seen.cols && y < raster.seen.rows) raster.seen.at<std::uint8_t>(y, x) = 255;
+    if (x >= 0 && y >= 0 && x < raster.seen.cols && y < raster.seen.rows)
+      raster.seen.at<std::uint8_t>(y, x) = 255;
   });
   return raster;
 }
@@ -71,7 +72,8 @@ Raster seen_floor(const Evidence& evidence) {
 void label_regions(Raster& raster, const std::vector<Segment>& barriers, double min_area_m2) {
   static_assert(Evidence::kFreeFactor == 2, "seen_floor halves the cell index");
   cv::Mat passable = raster.seen.clone();
-  for (const Segment& s : barriers) cv::line(passable, pixel_of(raster, s.a), pixel_of(raster, s.b), 0, 1, 4);
+  for (const Segment& s : barriers)
+    cv::line(passable, pixel_of(raster, s.a), pixel_of(raster, s.b), 0, 1, 4);
   cv::Mat depth;
   cv::distanceTransform(passable, depth, cv::DIST_L2, 5);
   const cv::Mat cores = depth > kLeak_m / raster.resolution_m;
@@ -81,7 +83,8 @@ void label_regions(Raster& raster, const std::vector<Segment>& barriers, double 
   std::vector<int> name(static_cast<std::size_t>(n), 0);
   raster.regions = 0;
   for (int c = 1; c < n; ++c)
-    if (stats.at<int>(c, cv::CC_STAT_AREA) >= min_core_px) name[static_cast<std::size_t>(c)] = ++raster.regions;
+    if (stats.at<int>(c, cv::CC_STAT_AREA) >= min_core_px)
+      name[static_cast<std::size_t>(c)] = ++raster.regions;
   for (int y = 0; y < components.rows; ++y)
     for (int x = 0; x < components.cols; ++x)
       raster.labels.at<int>(y, x) = name[static_cast<std::size_t>(components.at<int>(y, x))];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file Regions of seen floor, cut apart by walls and doors: which places belong together, before their outline is drawn.
+/// @file Regions of seen floor, cut apart by walls and doors: which places belong together, before
+/// their outline is drawn.
 #pragma once
 #include <opencv2/core.hpp>
 #include <vector>
@@ -10,7 +11,8 @@
 
 namespace modslam {
 
-/// A dense piece of the map: row 0 lowest y, pixel (row, col) covers the cell (col + ix0, row + iy0) of the free-space grid.
+/// A dense piece of the map: row 0 lowest y, pixel (row, col) covers the cell (col + ix0, row +
+/// iy0) of the free-space grid.
 struct Raster {
   int ix0 = 0, iy0 = 0;
   double resolution_m = 0.1;
@@ -18,7 +20,8 @@ struct Raster {
   cv::Mat labels;  ///< CV_32S 0: no region, else 1, 2, ...
   int regions = 0;
 
-  Eigen::Vector2d to_pixel(const Eigen::Vector2d& p) const {  ///< continuous; pixel centres at whole numbers
+  Eigen::Vector2d to_pixel(
+      const Eigen::Vector2d& p) const {  ///< continuous; pixel centres at whole numbers
     return (p / resolution_m).array() - Eigen::Array2d(ix0 + 0.5, iy0 + 0.5);
   }
   Eigen::Vector2d to_map(const Eigen::Vector2d& pixel) const {

@@ -12,13 +12,13 @@
 namespace modslam {
 namespace {
 
-constexpr double kReach_m = 3.0;          // walls are lengthened up to the next one by at most this
-constexpr double kThrough_m = 4.0;        // walls are lengthened across corridors by this
-constexpr double kFilled = 0.4;           // a face belongs to a region that fills this share of it
-constexpr double kShared = 0.15;          // regions with this share of one face are one room
-constexpr double kExplored = 0.5;         // rooms seen less are not claimed
-constexpr double kConvex = 0.93;          // merged corridor pieces stay this convex
-constexpr double kBranched = 0.62;        // regions that fill less of their hull are split
+constexpr double kReach_m = 3.0;    // walls are lengthened up to the next one by at most this
+constexpr double kThrough_m = 4.0;  // walls are lengthened across corridors by this
+constexpr double kFilled = 0.4;     // a face belongs to a region that fills this share of it
+constexpr double kShared = 0.15;    // regions with this share of one face are one room
+constexpr double kExplored = 0.5;   // rooms seen less are not claimed
+constexpr double kConvex = 0.93;    // merged corridor pieces stay this convex
+constexpr double kBranched = 0.62;  // regions that fill less of their hull are split
 constexpr double kCorridorWidth_m = 3.3;
 constexpr double kNearBarrier_m = 0.3;
 
@@ -67,9 +67,9 @@ Face contour(const Raster& raster, int label) {
   cv::Mat region = raster.labels == label;
   cv::dilate(region, region, cv::Mat());  // up to the walls, which were cut out
   cv::findContours(region, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
-  const auto largest = std::max_element(contours.begin(), contours.end(), [](const auto& p, const auto& q) {
-    return cv::contourArea(p) < cv::contourArea(q);
-  });
+  const auto largest = std::max_element(
+      contours.begin(), contours.end(),
+      [](const auto& p, const auto& q) { return cv::contourArea(p) < cv::contourArea(q); });
   Face face;
   if (largest == contours.end()) return face;
   std::vector<cv::Point> corners;
@@ -85,20 +85,24 @@ bool boxes_touch(const Polygon& p, const Polygon& q) {
   constexpr double kTouch_m = 0.02;
   const auto box = [](const Polygon& polygon) {
     Eigen::Array4d out(1e18, 1e18, 1e18, 1e18);  // least x, y, -x, -y
-    for (const Eigen::Vector2d& c : polygon) out = out.min(Eigen::Array4d(c.x(), c.y(), -c.x(), -c.y()));
+    for (const Eigen::Vector2d& c : polygon)
+      out = out.min(Eigen::Array4d(c.x(), c.y(), -c.x(), -c.y()));
     return out;
   };
   const Eigen::Array4d a = box(p), b = box(q);
-  return a[0] <= -b[2] + kTouch_m && b[0] <= -a[2] + kTouch_m && a[1] <= -b[3] + kTouch_m && b[1] <= -a[3] + kTouch_m;
+  return a[0] <= -b[2] + kTouch_m && b[0] <= -a[2] + kTouch_m && a[1] <= -b[3] + kTouch_m &&
+         b[1] <= -a[3] + kTouch_m;
 }
 
-/// Joins touching faces of a branched region (corridors round a block, L and T shapes) as long as the pieces stay convex, large
-/// ones first.
+/// Joins touching faces of a branched region (corridors round a block, L and T shapes) as long as
+/// the pieces stay convex, large ones first.
 std::vector<Face> convex_pieces(std::vector<Face> faces) {
   struct Pair {
     double area_m2;
     std::size_t i, j;
-    bool operator<(const Pair& other) const { return std::tie(area_m2, i, j) < std::tie(other.area_m2, other.i, other.j); }
+    bool operator<(const Pair& other) const {
+      return std::tie(area_m2, i, j) < std::tie(other.area_m2, other.i, other.j);
+    }
   };
   std::set<Pair> pairs;
   const auto consider = [&](std::size_t i, std::size_t j) {
@@ -118,7 +122,9 @@ std::vector<Face> convex_pieces(std::vector<Face> faces) {
     faces.push_back(std::move(joined));
     for (std::size_t i = 0; i + 1 < faces.size(); ++i) consider(i, faces.size() - 1);
   }
-  faces.erase(std::remove_if(faces.begin(), faces.end(), [](const Face& face) { return face.outline.empty(); }), faces.end());
+  faces.erase(std::remove_if(faces.begin(), faces.end(),
+                             [](const Face& face) { return face.outline.empty(); }),
+              faces.end());
   return faces;
 }
 
@@ -142,8 +148,9 @@ using FacesByRegion = std::map<int, std::vector<Face>>;
 
 class RoomFinder {
  public:
-  RoomFinder(const Raster& raster, const std::vector<Segment>& walls, const std::vector<Segment>& doors,
-             const std::vector<Segment>& furniture, const SemanticsConfig& config)
+  RoomFinder(const Raster& raster, const std::vector<Segment>& walls,
+             const std::vector<Segment>& doors, const std::vector<Segment>& furniture,
+             const SemanticsConfig& config)
       : raster_(raster), walls_(walls), config_(config) {
     walls_.insert(walls_.end(), doors.begin(), doors.end());
     all_ = walls_;
@@ -169,7 +176,8 @@ class RoomFinder {
   }
 
  private:
-  /// @param join  whether regions that share a face are one room: nothing stands between them but what hides the floor.
+  /// @param join  whether regions that share a face are one room: nothing stands between them but
+  /// what hides the floor.
   FacesByRegion faces_by_region(const std::vector<Segment>& lines, bool join) {
     FacesByRegion out;
     for (Face& face : bounded_faces(lines)) {
@@ -231,9 +239,11 @@ class RoomFinder {
     for (const Eigen::Vector2d& p : face.outline)
       corners.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
     const cv::Size2f size = cv::minAreaRect(corners).size;
-    const double width = std::min(size.width, size.height), length = std::max(size.width, size.height);
+    const double width = std::min(size.width, size.height),
+                 length = std::max(size.width, size.height);
     if (width < 0.6) return;
-    room.type = width < kCorridorWidth_m && length > 2.5 * width ? RoomType::kCorridor : RoomType::kRoom;
+    room.type =
+        width < kCorridorWidth_m && length > 2.5 * width ? RoomType::kCorridor : RoomType::kRoom;
     rooms_.push_back(std::move(room));
   }
 
@@ -255,8 +265,9 @@ class RoomFinder {
   }
 
   bool near_barrier(const Eigen::Vector2d& p) const {
-    return std::any_of(all_.begin(), all_.end(),
-                       [&](const Segment& s) { return distance_to_segment(p, s) < kNearBarrier_m; });
+    return std::any_of(all_.begin(), all_.end(), [&](const Segment& s) {
+      return distance_to_segment(p, s) < kNearBarrier_m;
+    });
   }
 
   const Raster& raster_;
@@ -269,7 +280,8 @@ class RoomFinder {
 
 }  // namespace
 
-std::vector<Room> find_rooms(const Raster& raster, const std::vector<Segment>& walls, const std::vector<Segment>& doors,
+std::vector<Room> find_rooms(const Raster& raster, const std::vector<Segment>& walls,
+                             const std::vector<Segment>& doors,
                              const std::vector<Segment>& furniture, const SemanticsConfig& config) {
   if (raster.seen.empty()) return {};
   return RoomFinder(raster, walls, doors, furniture, config).run();

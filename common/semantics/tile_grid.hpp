@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file A sparse grid of small square tiles that come into being when they are first written.
 ///
-/// Cell (ix, iy) covers [ix, ix + 1) x [iy, iy + 1) times the resolution; it is named by its lower left corner.
+/// Cell (ix, iy) covers [ix, ix + 1) x [iy, iy + 1) times the resolution; it is named by its lower
+/// left corner.
 #pragma once
 #include <array>
 #include <cmath>
@@ -42,15 +43,18 @@ class TileGrid {
   void each(Visit&& visit) const {
     std::map<std::pair<int, int>, const Tile*> ordered;
     for (const auto& [k, t] : tiles_)
-      ordered[{static_cast<std::int32_t>(k >> 32), static_cast<std::int32_t>(k & 0xffffffff)}] = t.get();
+      ordered[{static_cast<std::int32_t>(k >> 32), static_cast<std::int32_t>(k & 0xffffffff)}] =
+          t.get();
     for (const auto& [where, t] : ordered)
       for (int i = 0; i < kSide * kSide; ++i)
-        visit(where.first * kSide + i % kSide, where.second * kSide + i / kSide, (*t)[static_cast<std::size_t>(i)]);
+        visit(where.first * kSide + i % kSide, where.second * kSide + i / kSide,
+              (*t)[static_cast<std::size_t>(i)]);
   }
 
  private:
   static std::uint64_t key(int tx, int ty) {
-    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(tx)) << 32 | static_cast<std::uint32_t>(ty);
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(tx)) << 32 |
+           static_cast<std::uint32_t>(ty);
   }
   static std::size_t inner(int ix, int iy) {
     return static_cast<std::size_t>((iy & (kSide - 1)) << kShift | (ix & (kSide - 1)));

@@ -19,7 +19,8 @@ bool contains(const Polygon& polygon, const Eigen::Vector2d& point) {
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Eigen::Vector2d &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
     if ((p.y() > point.y()) == (q.y() > point.y())) continue;
-    if (point.x() < p.x() + (point.y() - p.y()) / (q.y() - p.y()) * (q.x() - p.x())) inside = !inside;
+    if (point.x() < p.x() + (point.y() - p.y()) / (q.y() - p.y()) * (q.x() - p.x()))
+      inside = !inside;
   }
   return inside;
 }
@@ -27,7 +28,8 @@ bool contains(const Polygon& polygon, const Eigen::Vector2d& point) {
 double distance_to_segment(const Eigen::Vector2d& point, const Segment& segment) {
   const Eigen::Vector2d along = segment.b - segment.a;
   const double squared = along.squaredNorm();
-  const double t = squared > 0 ? std::clamp((point - segment.a).dot(along) / squared, 0.0, 1.0) : 0.0;
+  const double t =
+      squared > 0 ? std::clamp((point - segment.a).dot(along) / squared, 0.0, 1.0) : 0.0;
   return (point - segment.a - t * along).norm();
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file What the semantic map is made of. Map frame, metres. Ids are positive and stable over updates; 0 means none.
+/// @file What the semantic map is made of. Map frame, metres. Ids are positive and stable over
+/// updates; 0 means none.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>

@@ -8,14 +8,14 @@
 namespace modslam {
 namespace {
 
-constexpr double kWeightCap = 20;         // beams of one cell are not independent
-constexpr double kLogOddsOfBeam = 0.4;    // of one classified beam end
+constexpr double kWeightCap = 20;       // beams of one cell are not independent
+constexpr double kLogOddsOfBeam = 0.4;  // of one classified beam end
 constexpr double kLogOddsCap = 6;
-constexpr int kReach = 2;                 // [cells] pieces grow over gaps of one cell
-constexpr double kLikeAngle_rad = 0.38;   // of cells in one region
-constexpr double kAcross_m = 0.06;        // farther cells are not on the line
-constexpr double kSmallGap_m = 0.35;      // joined whatever was seen in between
-constexpr double kJoinSine = 0.10;        // of the angle between pieces that join
+constexpr int kReach = 2;                // [cells] pieces grow over gaps of one cell
+constexpr double kLikeAngle_rad = 0.38;  // of cells in one region
+constexpr double kAcross_m = 0.06;       // farther cells are not on the line
+constexpr double kSmallGap_m = 0.35;     // joined whatever was seen in between
+constexpr double kJoinSine = 0.10;       // of the angle between pieces that join
 
 double angle_between(double a, double b) { return std::abs(std::remainder(a - b, kPi)); }
 
@@ -52,7 +52,8 @@ void longest_first(std::vector<WallFace>& faces) {
 }
 
 /// Thesis: joinable(Set, Seg).
-bool joinable(const WallFace& longer, const WallFace& shorter, const Evidence& evidence, double hidden_gap_m) {
+bool joinable(const WallFace& longer, const WallFace& shorter, const Evidence& evidence,
+              double hidden_gap_m) {
   const Segment &l = longer.segment, &s = shorter.segment;
   const Eigen::Vector2d d = l.direction(), n = left_normal(d);
   if (std::abs(n.dot(s.a - l.a)) > kAcross_m + 0.02 * hidden_gap_m) return false;
@@ -79,7 +80,8 @@ double coverage(const WallFace& face, const std::vector<OrientedCell>& cells, do
   const int n = std::max(1, static_cast<int>(face.segment.length_m() / (2 * resolution_m)));
   std::vector<bool> covered(static_cast<std::size_t>(n));
   for (const int c : face.cells) {
-    const double t = d.dot(cells[static_cast<std::size_t>(c)].p - face.segment.a) / (2 * resolution_m);
+    const double t =
+        d.dot(cells[static_cast<std::size_t>(c)].p - face.segment.a) / (2 * resolution_m);
     covered[static_cast<std::size_t>(std::clamp(static_cast<int>(t), 0, n - 1))] = true;
   }
   return static_cast<double>(std::count(covered.begin(), covered.end(), true)) / n;
@@ -89,7 +91,8 @@ double coverage(const WallFace& face, const std::vector<OrientedCell>& cells, do
 void turn_to_viewers(WallFace& face, const std::vector<OrientedCell>& cells) {
   Eigen::Vector2d view(0, 0);
   for (const int c : face.cells) view += cells[static_cast<std::size_t>(c)].view;
-  if (view.dot(left_normal(face.segment.direction())) < 0) std::swap(face.segment.a, face.segment.b);
+  if (view.dot(left_normal(face.segment.direction())) < 0)
+    std::swap(face.segment.a, face.segment.b);
 }
 
 }  // namespace
@@ -110,17 +113,19 @@ std::vector<OrientedCell> oriented_cells(const Evidence& evidence) {
     double angle = 0.5 * std::atan2(cell.sin2, cell.cos2);
     if (angle < 0) angle += kPi;
     const Eigen::Vector2d offset(cell.dx_mm, cell.dy_mm);
-    cells.push_back({ix, iy, centre + offset / (1000.0 * cell.hits()), angle,
-                     Eigen::Vector2d(cell.view_x, cell.view_y) / (100.0 * cell.hits()),
-                     std::min<double>(cell.hits(), kWeightCap),
-                     std::clamp(kLogOddsOfBeam * (cell.wall - cell.object), -kLogOddsCap, kLogOddsCap)});
+    cells.push_back(
+        {ix, iy, centre + offset / (1000.0 * cell.hits()), angle,
+         Eigen::Vector2d(cell.view_x, cell.view_y) / (100.0 * cell.hits()),
+         std::min<double>(cell.hits(), kWeightCap),
+         std::clamp(kLogOddsOfBeam * (cell.wall - cell.object), -kLogOddsCap, kLogOddsCap)});
   });
   return cells;
 }
 
 std::vector<WallFace> grow_faces(const std::vector<OrientedCell>& cells, double resolution_m) {
   TileGrid<std::int32_t> index(resolution_m);
-  for (std::size_t i = 0; i < cells.size(); ++i) index.at(cells[i].ix, cells[i].iy) = static_cast<std::int32_t>(i + 1);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    index.at(cells[i].ix, cells[i].iy) = static_cast<std::int32_t>(i + 1);
   std::vector<int> seeds(cells.size());
   std::iota(seeds.begin(), seeds.end(), 0);
   std::stable_sort(seeds.begin(), seeds.end(), [&](int a, int b) {
@@ -144,9 +149,12 @@ std::vector<WallFace> grow_faces(const std::vector<OrientedCell>& cells, double 
           const std::int32_t* slot = index.find(from.ix + dx, from.iy + dy);
           if (!slot || *slot == 0 || taken[static_cast<std::size_t>(*slot - 1)]) continue;
           const OrientedCell& cell = cells[static_cast<std::size_t>(*slot - 1)];
-          if (angle_between(cell.angle_rad, std::atan2(line.direction.y(), line.direction.x())) > kLikeAngle_rad) continue;
+          if (angle_between(cell.angle_rad, std::atan2(line.direction.y(), line.direction.x())) >
+              kLikeAngle_rad)
+            continue;
           if (std::abs(left_normal(line.direction).dot(cell.p - line.centre)) > kAcross_m) continue;
-          if (left_normal(line.direction).dot(cell.view) * facing < 0) continue;  // the other face of a thin wall
+          if (left_normal(line.direction).dot(cell.view) * facing < 0)
+            continue;  // the other face of a thin wall
           taken[static_cast<std::size_t>(*slot - 1)] = true;
           face.cells.push_back(*slot - 1);
         }
@@ -166,8 +174,9 @@ std::vector<WallFace> grow_faces(const std::vector<OrientedCell>& cells, double 
   return faces;
 }
 
-std::vector<WallFace> merge_faces(std::vector<WallFace> faces, const std::vector<OrientedCell>& cells,
-                                  const Evidence& evidence, double hidden_gap_m) {
+std::vector<WallFace> merge_faces(std::vector<WallFace> faces,
+                                  const std::vector<OrientedCell>& cells, const Evidence& evidence,
+                                  double hidden_gap_m) {
   for (bool joined = true; joined;) {
     joined = false;
     std::vector<WallFace> merged;
@@ -190,7 +199,8 @@ std::vector<WallFace> merge_faces(std::vector<WallFace> faces, const std::vector
   return faces;
 }
 
-std::vector<WallFace> find_faces(const std::vector<OrientedCell>& cells, const Evidence& evidence, double min_length_m) {
+std::vector<WallFace> find_faces(const std::vector<OrientedCell>& cells, const Evidence& evidence,
+                                 double min_length_m) {
   const double resolution_m = evidence.hits().resolution_m();
   std::vector<WallFace> faces = merge_faces(grow_faces(cells, resolution_m), cells, evidence, 0);
   const auto useless = [&](const WallFace& face) {

@@ -2,4 +2,6 @@
 #include "common/bus/modules.hpp"
 #include "common/bus/process.hpp"
 
-int main(int argc, char** argv) { return modslam::run_process(argc, argv, "semantic_classifier", modslam::make_semantic_classifier); }
+int main(int argc, char** argv) {
+  return modslam::run_process(argc, argv, "semantic_classifier", modslam::make_semantic_classifier);
+}

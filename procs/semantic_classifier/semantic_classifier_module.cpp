@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// procs/semantic_classifier — NODE + GRAPH (+ POSE, SYNC_REQUEST) → SEMANTIC_WALLS, _ROOMS, _DOORS, _OBJECTS. Config: [semantics].
+/// procs/semantic_classifier — NODE + GRAPH (+ POSE, SYNC_REQUEST) → SEMANTIC_WALLS, _ROOMS,
+/// _DOORS, _OBJECTS. Config: [semantics].
 #include <modslam/sync_request_t.hpp>
 
 #include "common/bus/channels.hpp"
@@ -24,7 +25,8 @@ class SemanticClassifierModule : public Module {
     mirror_.on_update = [this](const std::vector<NodeId>& moved) {
       for (const NodeId id : moved) {
         const auto index = static_cast<std::size_t>(id);
-        if (index < classifier_.scans()) classifier_.set_pose(index, mirror_.nodes()[index].T_map_base);
+        if (index < classifier_.scans())
+          classifier_.set_pose(index, mirror_.nodes()[index].T_map_base);
       }
       moved_ = moved_ || !moved.empty();
       if (!mirror_.nodes().empty()) work(mirror_.nodes().back().utime);
@@ -46,8 +48,9 @@ class SemanticClassifierModule : public Module {
 
   std::string words() const override {
     const Semantics& s = classifier_.semantics();
-    return std::to_string(s.walls.size()) + " walls, " + std::to_string(s.rooms.size()) + " rooms, " +
-           std::to_string(s.doors.size()) + " doors, " + std::to_string(s.objects.size()) + " objects from " +
+    return std::to_string(s.walls.size()) + " walls, " + std::to_string(s.rooms.size()) +
+           " rooms, " + std::to_string(s.doors.size()) + " doors, " +
+           std::to_string(s.objects.size()) + " objects from " +
            std::to_string(classifier_.scans()) + " nodes, version " + std::to_string(version_);
   }
 
@@ -55,7 +58,9 @@ class SemanticClassifierModule : public Module {
   /// At most every publish_s of message time.
   void work(std::int64_t utime) {
     if (!changed_ && !moved_) return;
-    if (last_publish_ != 0 && std::abs(static_cast<double>(utime - last_publish_)) < config_.publish_s * 1e6) return;
+    if (last_publish_ != 0 &&
+        std::abs(static_cast<double>(utime - last_publish_)) < config_.publish_s * 1e6)
+      return;
     last_publish_ = utime;
     render(false);
     if (changed_) publish_new();
@@ -76,10 +81,14 @@ class SemanticClassifierModule : public Module {
   void publish() {
     const std::int64_t utime = mirror_.nodes().empty() ? 0 : mirror_.nodes().back().utime;
     const Semantics& s = classifier_.semantics();
-    for (const auto& chunk : to_messages(s.walls, utime, version_)) bus_.publish(channel::kWalls, chunk);
-    for (const auto& chunk : to_messages(s.rooms, utime, version_)) bus_.publish(channel::kRooms, chunk);
-    for (const auto& chunk : to_messages(s.doors, utime, version_)) bus_.publish(channel::kDoors, chunk);
-    for (const auto& chunk : to_messages(s.objects, utime, version_)) bus_.publish(channel::kObjects, chunk);
+    for (const auto& chunk : to_messages(s.walls, utime, version_))
+      bus_.publish(channel::kWalls, chunk);
+    for (const auto& chunk : to_messages(s.rooms, utime, version_))
+      bus_.publish(channel::kRooms, chunk);
+    for (const auto& chunk : to_messages(s.doors, utime, version_))
+      bus_.publish(channel::kDoors, chunk);
+    for (const auto& chunk : to_messages(s.objects, utime, version_))
+      bus_.publish(channel::kObjects, chunk);
   }
 
   Bus& bus_;

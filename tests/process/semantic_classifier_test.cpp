@@ -37,7 +37,8 @@ void publish_nodes(Bus& bus, test::RayWorld& world, int n) {
 
 TEST_CASE("Nodes in, walls and a room out, and again for whoever asks", "[process][semantics]") {
   Transport transport("memq://");
-  Bus source(transport, "source"), consumer_bus(transport, "consumer"), bus(transport, "semantic_classifier");
+  Bus source(transport, "source"), consumer_bus(transport, "consumer"),
+      bus(transport, "semantic_classifier");
   SemanticMirror mirror(consumer_bus);
   const auto module = make_semantic_classifier(bus, SystemConfig());
   module->finish();
@@ -64,7 +65,8 @@ TEST_CASE("Nodes in, walls and a room out, and again for whoever asks", "[proces
   CHECK(late.semantics().walls.size() == 4);
 }
 
-TEST_CASE("Long lists travel in chunks below 60 kB and come together again in any order", "[semantics]") {
+TEST_CASE("Long lists travel in chunks below 60 kB and come together again in any order",
+          "[semantics]") {
   std::vector<Wall> walls;
   for (int i = 0; i < 3000; ++i) walls.push_back({i + 1, {{i * 1.0, 0}, {i + 0.5, 1}}, 2.5, 0.01});
   auto chunks = to_messages(walls, 5, 7);
@@ -85,7 +87,8 @@ TEST_CASE("Long lists travel in chunks below 60 kB and come together again in an
 
 TEST_CASE("A chunk of a wild number or with a wild value is refused", "[semantics]") {
   ListAssembler<wall_list_t, Wall> assembler;
-  wall_list_t message = to_messages(std::vector<Wall>{{1, {{0, 0}, {1, 0}}, 1, 0.01}}, 1, 1).front();
+  wall_list_t message =
+      to_messages(std::vector<Wall>{{1, {{0, 0}, {1, 0}}, 1, 0.01}}, 1, 1).front();
   message.nchunks = 0;
   CHECK_THROWS_AS(assembler.add(message), BadMessage);
   message.nchunks = 1;

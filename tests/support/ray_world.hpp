@@ -15,7 +15,9 @@ struct RayWorld {
   double noise_m = 0.01;
   std::mt19937 random{7};
 
-  void wall(double ax, double ay, double bx, double by) { segments.push_back({{ax, ay}, {bx, by}}); }
+  void wall(double ax, double ay, double bx, double by) {
+    segments.push_back({{ax, ay}, {bx, by}});
+  }
   void box(double x0, double y0, double x1, double y1) {
     wall(x0, y0, x1, y0);
     wall(x1, y0, x1, y1);
@@ -30,7 +32,8 @@ struct RayWorld {
       const Eigen::Vector2d e = s.b - s.a, w = s.a - from;
       const double det = d.x() * e.y() - d.y() * e.x();
       if (std::abs(det) < 1e-12) continue;
-      const double t = (w.x() * e.y() - w.y() * e.x()) / det, u = (w.x() * d.y() - w.y() * d.x()) / det;
+      const double t = (w.x() * e.y() - w.y() * e.x()) / det,
+                   u = (w.x() * d.y() - w.y() * d.x()) / det;
       if (t > 0 && t < nearest && u >= 0 && u <= 1) nearest = t;
     }
     return nearest;
@@ -42,9 +45,11 @@ struct RayWorld {
     scan.rad0 = -kPi;
     scan.radstep = kPi / 180;
     for (std::size_t beam = 0; beam < 360; ++beam) {
-      const double range = range_m(T_map_base.translation(), T_map_base.heading + scan.bearing_rad(beam));
+      const double range =
+          range_m(T_map_base.translation(), T_map_base.heading + scan.bearing_rad(beam));
       const double draw = static_cast<double>(random()) / 4294967296.0 - 0.5;
-      scan.ranges_m.push_back(static_cast<float>(range < 100 ? range + draw * noise_m * std::sqrt(12.0) : range));
+      scan.ranges_m.push_back(
+          static_cast<float>(range < 100 ? range + draw * noise_m * std::sqrt(12.0) : range));
     }
     return scan;
   }

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// How good and how fast is the semantic classifier with perfect localisation? Casts rays in a world (GeoJSON: walls, objects, closed
-/// doors) along one of its routes, classifies, scores against the world.
-/// Usage: modslam-bench-semantics WORLD.geojson ROUTE|tour OUT_DIR, or modslam-bench-semantics RUN.lcm final OUT_DIR for the nodes
-/// of a finished run at their last poses (a picture and timing, no score).
+/// How good and how fast is the semantic classifier with perfect localisation? Casts rays in a
+/// world (GeoJSON: walls, objects, closed doors) along one of its routes, classifies, scores
+/// against the world. Usage: modslam-bench-semantics WORLD.geojson ROUTE|tour OUT_DIR, or
+/// modslam-bench-semantics RUN.lcm final OUT_DIR for the nodes of a finished run at their last
+/// poses (a picture and timing, no score).
 #include <ctime>
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <modslam/graph_node_t.hpp>
+#include <modslam/graph_update_t.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <random>
-
-#include <modslam/graph_node_t.hpp>
-#include <modslam/graph_update_t.hpp>
 
 #include "common/bus/conversions.hpp"
 #include "common/bus/log.hpp"
@@ -38,10 +38,12 @@ std::string read_text(const std::string& path) {
 std::vector<Segment> obstacles(const SemanticMap& world) {
   std::vector<Segment> out;
   const auto ring = [&](const Polygon& points) {
-    for (std::size_t i = 0; i < points.size(); ++i) out.push_back({points[i], points[(i + 1) % points.size()]});
+    for (std::size_t i = 0; i < points.size(); ++i)
+      out.push_back({points[i], points[(i + 1) % points.size()]});
   };
   for (const MapWall& wall : world.walls) {
-    const Eigen::Vector2d d = (wall.b - wall.a).normalized(), n = 0.5 * wall.thickness_m * Eigen::Vector2d(-d.y(), d.x());
+    const Eigen::Vector2d d = (wall.b - wall.a).normalized(),
+                          n = 0.5 * wall.thickness_m * Eigen::Vector2d(-d.y(), d.x());
     ring({wall.a + n, wall.a - n, wall.b - n, wall.b + n});
   }
   for (const MapPolygon& object : world.objects) ring(object.outline);
@@ -50,14 +52,16 @@ std::vector<Segment> obstacles(const SemanticMap& world) {
   return out;
 }
 
-double cast(const std::vector<Segment>& obstacles, const Eigen::Vector2d& from, double angle, double limit) {
+double cast(const std::vector<Segment>& obstacles, const Eigen::Vector2d& from, double angle,
+            double limit) {
   const Eigen::Vector2d d(std::cos(angle), std::sin(angle));
   double nearest = limit;
   for (const Segment& s : obstacles) {
     const Eigen::Vector2d e = s.b - s.a, w = s.a - from;
     const double det = d.x() * e.y() - d.y() * e.x();
     if (std::abs(det) < 1e-12) continue;
-    const double t = (w.x() * e.y() - w.y() * e.x()) / det, u = (w.x() * d.y() - w.y() * d.x()) / det;
+    const double t = (w.x() * e.y() - w.y() * e.x()) / det,
+                 u = (w.x() * d.y() - w.y() * d.x()) / det;
     if (t > 0 && t < nearest && u >= 0 && u <= 1) nearest = t;
   }
   return nearest;
@@ -73,7 +77,8 @@ std::vector<Pose2> poses_along(const std::vector<Eigen::Vector2d>& route) {
       const Pose2 last = poses.back();
       const double turn = wrap_angle(heading - last.heading);
       const int n = static_cast<int>(std::abs(turn) / 0.26);
-      for (int k = 1; k <= n; ++k) poses.emplace_back(route[i].x(), route[i].y(), last.heading + turn * k / (n + 1));
+      for (int k = 1; k <= n; ++k)
+        poses.emplace_back(route[i].x(), route[i].y(), last.heading + turn * k / (n + 1));
     }
     const int n = std::max(1, static_cast<int>(d.norm() / 0.3));
     for (int k = 0; k < n; ++k) {
@@ -84,7 +89,8 @@ std::vector<Pose2> poses_along(const std::vector<Eigen::Vector2d>& route) {
   return poses;
 }
 
-/// Into every room through its doors: from each door 0.8 m to both sides, to the room's middle, turning there.
+/// Into every room through its doors: from each door 0.8 m to both sides, to the room's middle,
+/// turning there.
 std::vector<Pose2> tour(const SemanticMap& world) {
   std::vector<Pose2> poses;
   for (const MapRoom& room : world.rooms) {
@@ -94,8 +100,9 @@ std::vector<Pose2> tour(const SemanticMap& world) {
       for (const double v : {0.3, 0.5, 0.7}) {
         const Eigen::Vector2d p = low + Eigen::Vector2d(u, v).cwiseProduct(high - low);
         if (!contains(room.polygon, p)) continue;
-        const bool inside_object = std::any_of(world.objects.begin(), world.objects.end(),
-                                               [&](const MapPolygon& object) { return contains(object, p); });
+        const bool inside_object =
+            std::any_of(world.objects.begin(), world.objects.end(),
+                        [&](const MapPolygon& object) { return contains(object, p); });
         if (inside_object) continue;
         for (const double heading : {0.0, 2.1, 4.2}) poses.emplace_back(p.x(), p.y(), heading + u);
       }
@@ -109,28 +116,33 @@ void draw(const Semantics& semantics, const Evidence& evidence, const std::strin
   evidence.free().each([&](int ix, int iy, std::int32_t count) {
     if (!count) return;
     const double x = evidence.free().centre_m(ix), y = evidence.free().centre_m(iy);
-    low_x = std::min(low_x, x), high_x = std::max(high_x, x), low_y = std::min(low_y, y), high_y = std::max(high_y, y);
+    low_x = std::min(low_x, x), high_x = std::max(high_x, x), low_y = std::min(low_y, y),
+    high_y = std::max(high_y, y);
   });
   constexpr double kPixels = 32;
-  cv::Mat image(static_cast<int>((high_y - low_y + 1) * kPixels), static_cast<int>((high_x - low_x + 1) * kPixels), CV_8UC3,
+  cv::Mat image(static_cast<int>((high_y - low_y + 1) * kPixels),
+                static_cast<int>((high_x - low_x + 1) * kPixels), CV_8UC3,
                 cv::Scalar(150, 150, 150));
   const auto pixel = [&](const Eigen::Vector2d& p) {
-    return cv::Point(static_cast<int>((p.x() - low_x + 0.5) * kPixels), static_cast<int>((high_y - p.y() + 0.5) * kPixels));
+    return cv::Point(static_cast<int>((p.x() - low_x + 0.5) * kPixels),
+                     static_cast<int>((high_y - p.y() + 0.5) * kPixels));
   };
   const auto cell = [&](const Eigen::Vector2d& centre, double side, const cv::Scalar& colour) {
     const Eigen::Vector2d half(side / 2, side / 2);
     cv::rectangle(image, pixel(centre - half), pixel(centre + half), colour, cv::FILLED);
   };
   evidence.free().each([&](int ix, int iy, std::int32_t count) {
-    if (count > 1) cell({evidence.free().centre_m(ix), evidence.free().centre_m(iy)}, 0.1, {255, 255, 255});
+    if (count > 1)
+      cell({evidence.free().centre_m(ix), evidence.free().centre_m(iy)}, 0.1, {255, 255, 255});
   });
   for (const Room& room : semantics.rooms) {
     std::vector<cv::Point> points;
     for (const auto& p : room.outline) points.push_back(pixel(p));
     cv::Mat overlay = image.clone();
     cv::RNG colours(static_cast<std::uint64_t>(room.id) * 7919);
-    cv::fillPoly(overlay, std::vector<std::vector<cv::Point>>{points},
-                 cv::Scalar(colours.uniform(80, 255), colours.uniform(80, 255), colours.uniform(80, 255)));
+    cv::fillPoly(
+        overlay, std::vector<std::vector<cv::Point>>{points},
+        cv::Scalar(colours.uniform(80, 255), colours.uniform(80, 255), colours.uniform(80, 255)));
     cv::addWeighted(overlay, 0.45, image, 0.55, 0, image);
   }
   evidence.hits().each([&](int ix, int iy, const HitCell& hit) {
@@ -140,20 +152,27 @@ void draw(const Semantics& semantics, const Evidence& evidence, const std::strin
   });
   for (const Object& object : semantics.objects)
     for (std::size_t i = 0; i < object.outline.size(); ++i)
-      cv::line(image, pixel(object.outline[i]), pixel(object.outline[(i + 1) % object.outline.size()]), {0, 100, 200}, 1);
-  for (const Wall& wall : semantics.walls) cv::line(image, pixel(wall.segment.a), pixel(wall.segment.b), {0, 160, 0}, 2);
-  for (const Door& door : semantics.doors) cv::line(image, pixel(door.segment.a), pixel(door.segment.b), {220, 0, 220}, 4);
+      cv::line(image, pixel(object.outline[i]),
+               pixel(object.outline[(i + 1) % object.outline.size()]), {0, 100, 200}, 1);
+  for (const Wall& wall : semantics.walls)
+    cv::line(image, pixel(wall.segment.a), pixel(wall.segment.b), {0, 160, 0}, 2);
+  for (const Door& door : semantics.doors)
+    cv::line(image, pixel(door.segment.a), pixel(door.segment.b), {220, 0, 220}, 4);
   cv::imwrite(path, image);
 }
 
-int bench(const std::string& world_path, const std::string& route_name, const std::string& directory) {
+int bench(const std::string& world_path, const std::string& route_name,
+          const std::string& directory) {
   const std::string text = read_text(world_path);
   const SemanticMap world = parse_semantic_map(text);
   std::vector<Pose2> poses;
-  for (const auto& feature : nlohmann::json::parse(text)["features"]) {
-    if (feature["properties"]["kind"] != "route" || feature["properties"]["id"] != route_name) continue;
+  const nlohmann::json document = nlohmann::json::parse(text);
+  for (const auto& feature : document["features"]) {
+    if (feature["properties"]["kind"] != "route" || feature["properties"]["id"] != route_name)
+      continue;
     std::vector<Eigen::Vector2d> route;
-    for (const auto& p : feature["geometry"]["coordinates"]) route.emplace_back(p[0].get<double>(), p[1].get<double>());
+    for (const auto& p : feature["geometry"]["coordinates"])
+      route.emplace_back(p[0].get<double>(), p[1].get<double>());
     poses = poses_along(route);
   }
   if (route_name == "tour") poses = tour(world);
@@ -174,7 +193,9 @@ int bench(const std::string& world_path, const std::string& route_name, const st
     for (int beam = 0; beam < 181; ++beam) {
       double noise = -6;  // Irwin-Hall
       for (int k = 0; k < 12; ++k) noise += static_cast<double>(random()) / 4294967296.0;
-      const double range = cast(stops, pose.translation(), pose.heading + scan.bearing_rad(static_cast<std::size_t>(beam)), 20);
+      const double range =
+          cast(stops, pose.translation(),
+               pose.heading + scan.bearing_rad(static_cast<std::size_t>(beam)), 20);
       scan.ranges_m.push_back(static_cast<float>(range >= 20 ? 20 : range + 0.015 * noise));
     }
     placed.push_back({pose, scan, sensor});
@@ -190,12 +211,14 @@ int bench(const std::string& world_path, const std::string& route_name, const st
   }
   const double start = now_ms();
   const Semantics semantics = classifier.render(static_cast<std::int64_t>(placed.size()));
-  std::cout << placed.size() << " scans, insert " << insert_ms / static_cast<double>(placed.size()) << " ms, render mean "
-            << render_ms / std::max(1, renders) << " ms, last " << (now_ms() - start) << " ms of processor time\n";
+  std::cout << placed.size() << " scans, insert " << insert_ms / static_cast<double>(placed.size())
+            << " ms, render mean " << render_ms / std::max(1, renders) << " ms, last "
+            << (now_ms() - start) << " ms of processor time\n";
   const std::string geojson = semantic_geojson(semantics);
   std::ofstream(directory + "/semantic.geojson") << geojson;
   draw(semantics, classifier.evidence(), directory + "/semantic.png");
-  std::cout << to_table(score_semantics(parse_semantic_map(geojson), world, visible_in(world, placed)));
+  std::cout << to_table(
+      score_semantics(parse_semantic_map(geojson), world, visible_in(world, placed)));
   return 0;
 }
 
@@ -207,7 +230,8 @@ int draw_run(const std::string& log_path, const std::string& directory) {
     const auto size = static_cast<int>(event.bytes.size());
     graph_node_t node{};
     graph_update_t update{};
-    if (event.channel == "NODE" && node.decode(event.bytes.data(), 0, size) == size) nodes.emplace(node.id, node);
+    if (event.channel == "NODE" && node.decode(event.bytes.data(), 0, size) == size)
+      nodes.emplace(node.id, node);
     if (event.channel == "GRAPH" && update.decode(event.bytes.data(), 0, size) == size)
       for (const auto& pose : update.poses) poses[pose.id] = to_pose(pose.T_map_base);
   }
@@ -215,13 +239,16 @@ int draw_run(const std::string& log_path, const std::string& directory) {
   double start = now_ms();
   for (const auto& [id, node] : nodes) {
     const auto moved = poses.find(id);
-    classifier.insert(to_scan(node.scan), to_sensor_info(node.sensor), moved != poses.end() ? moved->second : to_pose(node.T_map_base));
+    classifier.insert(to_scan(node.scan), to_sensor_info(node.sensor),
+                      moved != poses.end() ? moved->second : to_pose(node.T_map_base));
   }
-  std::cout << nodes.size() << " nodes, insert " << (now_ms() - start) / static_cast<double>(nodes.size()) << " ms";
+  std::cout << nodes.size() << " nodes, insert "
+            << (now_ms() - start) / static_cast<double>(nodes.size()) << " ms";
   start = now_ms();
   const Semantics& semantics = classifier.render(0);
   std::cout << ", render " << (now_ms() - start) << " ms of processor time\n"
-            << semantics.walls.size() << " walls, " << semantics.rooms.size() << " rooms, " << semantics.doors.size() << " doors\n";
+            << semantics.walls.size() << " walls, " << semantics.rooms.size() << " rooms, "
+            << semantics.doors.size() << " doors\n";
   std::ofstream(directory + "/semantic.geojson") << semantic_geojson(semantics);
   draw(semantics, classifier.evidence(), directory + "/semantic.png");
   return 0;
@@ -231,7 +258,8 @@ int draw_run(const std::string& log_path, const std::string& directory) {
 
 int main(int argc, char** argv) {
   if (argc != 4) {
-    std::cerr << "usage: " << argv[0] << " WORLD.geojson ROUTE|tour OUT_DIR | RUN.lcm final OUT_DIR\n";
+    std::cerr << "usage: " << argv[0]
+              << " WORLD.geojson ROUTE|tour OUT_DIR | RUN.lcm final OUT_DIR\n";
     return 1;
   }
   try {

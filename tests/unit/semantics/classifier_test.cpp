@@ -11,7 +11,8 @@ using namespace modslam;
 
 namespace {
 
-/// Two rooms of 5 m x 4 m with walls 0.15 m thick between them and a door of 1 m in the middle, x = 5.
+/// Two rooms of 5 m x 4 m with walls 0.15 m thick between them and a door of 1 m in the middle, x
+/// = 5.
 test::RayWorld two_rooms() {
   test::RayWorld world;
   world.box(0, 0, 10.15, 4);
@@ -40,7 +41,8 @@ const Room* room_around(const Semantics& semantics, const Eigen::Vector2d& place
 
 }  // namespace
 
-TEST_CASE("Two rooms with a door between are two rooms and one door that joins them", "[semantics]") {
+TEST_CASE("Two rooms with a door between are two rooms and one door that joins them",
+          "[semantics]") {
   test::RayWorld world = two_rooms();
   SemanticClassifier classifier{SemanticsConfig()};
   look_around_both(classifier, world);
@@ -68,7 +70,8 @@ TEST_CASE("Walls lie within a centimetre of the truth", "[semantics]") {
     for (const double t : {0.1, 0.5, 0.9}) {
       const Eigen::Vector2d p = wall.segment.a + t * (wall.segment.b - wall.segment.a);
       double nearest = 1e9;
-      for (const Segment& truth : world.segments) nearest = std::min(nearest, distance_to_segment(p, truth));
+      for (const Segment& truth : world.segments)
+        nearest = std::min(nearest, distance_to_segment(p, truth));
       CHECK(nearest < 0.01);
     }
   }
@@ -110,7 +113,14 @@ TEST_CASE("A car in a garage is an object, neither walls nor room", "[semantics]
   world.box(0, 0, 12, 10);
   world.box(5, 3, 6.8, 7.4);
   SemanticClassifier classifier{SemanticsConfig()};
-  for (const auto& [x, y] : {std::pair{2.0, 1.5}, {6.0, 1.5}, {10.0, 1.5}, {10.0, 5.0}, {10.0, 8.5}, {6.0, 8.5}, {2.0, 8.5}, {2.0, 5.0}})
+  for (const auto& [x, y] : {std::pair{2.0, 1.5},
+                             {6.0, 1.5},
+                             {10.0, 1.5},
+                             {10.0, 5.0},
+                             {10.0, 8.5},
+                             {6.0, 8.5},
+                             {2.0, 8.5},
+                             {2.0, 5.0}})
     look(classifier, world, x, y);
   const Semantics& s = classifier.render(1);
   REQUIRE(s.rooms.size() == 1);
@@ -121,7 +131,8 @@ TEST_CASE("A car in a garage is an object, neither walls nor room", "[semantics]
   CHECK(s.objects.front().area_m2 == Approx(7.9).margin(0.6));
 }
 
-TEST_CASE("After the graph moved the map, redrawn scans give the map of the new poses", "[semantics]") {
+TEST_CASE("After the graph moved the map, redrawn scans give the map of the new poses",
+          "[semantics]") {
   test::RayWorld world = two_rooms(), twin_world = two_rooms();
   SemanticClassifier moved{SemanticsConfig()}, twin{SemanticsConfig()};
   const Pose2 shift(0.37, -0.21, 0.05);

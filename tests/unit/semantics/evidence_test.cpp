@@ -15,7 +15,8 @@ std::vector<int> content(const Evidence& evidence) {
   std::vector<int> out;
   evidence.hits().each([&](int ix, int iy, const HitCell& c) {
     if (c.hits() || c.dx_mm || c.dy_mm || c.cos2 || c.sin2 || c.view_x || c.view_y)
-      out.insert(out.end(), {ix, iy, c.wall, c.object, c.dx_mm, c.dy_mm, c.cos2, c.sin2, c.view_x, c.view_y});
+      out.insert(out.end(),
+                 {ix, iy, c.wall, c.object, c.dx_mm, c.dy_mm, c.cos2, c.sin2, c.view_x, c.view_y});
   });
   evidence.free().each([&](int ix, int iy, std::int32_t count) {
     if (count) out.insert(out.end(), {ix, iy, count});
@@ -38,8 +39,10 @@ TEST_CASE("Taking a scan out restores the evidence exactly", "[semantics]") {
   world.box(-4, -3, 4, 3);
   world.box(1, 1, 1.7, 1.5);
   Evidence evidence(0.05);
-  const EvidenceScan first = make_evidence(world.scan({0.3, -0.2, 0.4}), test::RayWorld::sensor(), 15, {});
-  const EvidenceScan second = make_evidence(world.scan({-1.1, 0.7, 2.9}), test::RayWorld::sensor(), 15, {});
+  const EvidenceScan first =
+      make_evidence(world.scan({0.3, -0.2, 0.4}), test::RayWorld::sensor(), 15, {});
+  const EvidenceScan second =
+      make_evidence(world.scan({-1.1, 0.7, 2.9}), test::RayWorld::sensor(), 15, {});
   evidence.insert(first, {0.3, -0.2, 0.4});
   const std::vector<int> before = content(evidence);
   REQUIRE(before.size() > 1000);

@@ -26,7 +26,8 @@ TEST_CASE("A noisy square room gives four lines with the right ends", "[semantic
   for (const Segment& s : lines.segments) {
     for (const Eigen::Vector2d& end : {s.a, s.b}) {
       double nearest = 1e9;
-      for (const Eigen::Vector2d& corner : corners) nearest = std::min(nearest, (pose * end - corner).norm());
+      for (const Eigen::Vector2d& corner : corners)
+        nearest = std::min(nearest, (pose * end - corner).norm());
       CHECK(nearest < 0.12);
     }
   }
@@ -59,6 +60,7 @@ TEST_CASE("The same points give the same segments", "[semantics]") {
   world.box(1, 0.5, 2, 1.2);
   const Scan scan = world.scan({});
   const auto points = points_base(scan, test::RayWorld::sensor());
-  const ClassifiedScan once = extract_lines(points, scan.radstep, {}), again = extract_lines(points, scan.radstep, {});
+  const ClassifiedScan once = extract_lines(points, scan.radstep, {}),
+                       again = extract_lines(points, scan.radstep, {});
   CHECK(once.segment_of == again.segment_of);
 }
