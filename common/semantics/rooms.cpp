@@ -19,6 +19,7 @@ constexpr double kShared = 0.15;    // regions with this share of one face are o
 constexpr double kExplored = 0.5;   // rooms seen less are not claimed
 constexpr double kConvex = 0.93;    // merged corridor pieces stay this convex
 constexpr double kBranched = 0.62;  // regions that fill less of their hull are split
+constexpr double kHollow = 1.5;     // outlines this much larger than their region hold more than it
 constexpr double kCorridorWidth_m = 3.3;
 constexpr double kNearBarrier_m = 0.3;
 
@@ -204,7 +205,10 @@ class RoomFinder {
     const auto found = faces.find(label);
     return found == faces.end() ? Face() : united(found->second, 0.02, 0.03);
   }
-  static bool covers(const Face& face, double region_m2) { return face.area_m2 >= 0.8 * region_m2; }
+  /// Much smaller: walls are missing around it; much larger: the lines leave a gap to a neighbour.
+  static bool covers(const Face& face, double region_m2) {
+    return face.area_m2 >= 0.8 * region_m2 && face.area_m2 <= kHollow * region_m2;
+  }
 
   static bool needs_split(const Face& face) {
     for (const Polygon& hole : face.holes)
@@ -220,11 +224,15 @@ class RoomFinder {
     for (const Face& piece : convex_pieces(found->second)) add(united({piece}, 0.02, 0.03));
   }
 
-  /// Walls do not enclose the region: furniture may, else its own contour stands in.
+  /// Walls do not enclose the region: strips of a branched one may still be, furniture may close
+  /// it, else its own contour stands in.
   void add_uncovered(int label, double region_m2) {
+    const Face own = contour(raster_, label);
+    if (own.outline.empty()) return;
+    if (own.area_m2 > kHollow * region_m2 || needs_split(own)) return add_pieces(label);
     if (!fine_) fine_ = faces_by_region(lengthened_through(all_, kThrough_m), false);
     const Face whole = union_of(*fine_, label);
-    add(covers(whole, region_m2) && whole.holes.empty() ? whole : contour(raster_, label));
+    add(covers(whole, region_m2) && whole.holes.empty() ? whole : own);
   }
 
   void add(const Face& face) {
@@ -249,7 +257,8 @@ class RoomFinder {
 
   /// Share of the outline that does not face unseen space across nothing.
   double enclosed(const Polygon& outline) const {
-    int asked = 0, closed = 0;
+    int asked = 0;
+    double closed = 0;
     for (std::size_t i = 0; i < outline.size(); ++i) {
       const Segment side{outline[i], outline[(i + 1) % outline.size()]};
       const Eigen::Vector2d d = side.direction(), out(d.y(), -d.x());
@@ -258,10 +267,13 @@ class RoomFinder {
         const Eigen::Vector2d p = side.a + (k + 0.5) / n * (side.b - side.a);
         const bool hidden = raster_.label_at(p - 0.25 * out) == 0;
         const bool other_region = raster_.label_at(p + 0.25 * out) != 0;
-        closed += hidden || other_region || near_barrier(p);
+        if (other_region || near_barrier(p))
+          closed += 1;
+        else if (hidden)
+          closed += 0.5;
       }
     }
-    return asked ? static_cast<double>(closed) / asked : 0;
+    return asked ? closed / asked : 0;
   }
 
   bool near_barrier(const Eigen::Vector2d& p) const {
