@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # ModSLAM's one launcher. Every verb is a short function below, or a program that it calls. ./run.sh help
 set -euo pipefail
+shopt -s inherit_errexit  # a failure inside $(...) counts too
 readonly CALLER=$PWD  # paths that a person types start there
 cd "$(dirname "$(readlink -f "$0")")"
 readonly HOUSE=$PWD
@@ -17,7 +18,7 @@ help() {
 ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
 
   ./run.sh demo [--out DIR] [--set T.K=V]...  drive the simulated Apartment, map it, show what was found
-  ./run.sh test                               everything that must hold
+  ./run.sh test [--verbose] [NAME]...         everything that must hold, or some suites of it
   ./run.sh live [--out DIR]                   the same processes with the drivers of config/modslam.toml, until Ctrl-C
   ./run.sh replay LOG [--speed S] [--out DIR] play an LCM log through the processes with lcm-logplayer
   ./run.sh offline LOG --out DIR              the same in one program, as fast as the machine, same bytes every time

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""run_all.py BUILD_DIR [NAME...]: every suite of tests, one line a test as it goes; the last line says `N passed, N failed`.
+"""run_all.py BUILD_DIR [--verbose] [NAME...]: every suite of tests; the last line says `N passed, N failed`.
 
-A suite is modslam-tests (Catch2) or a script. A script says `ok SENTENCE`, `FAIL SENTENCE` or `skip SENTENCE` for each thing that
+Says one line a suite, and all about what failed or was skipped; --verbose says a line for each test as it goes. A suite is modslam-tests (Catch2) or a script. A script says `ok SENTENCE`, `FAIL SENTENCE` or `skip SENTENCE` for each thing that
 it tests, in its own words before that, and exits 0; with 77 it says that it cannot run here. NAMEs choose suites by part of the name.
 """
 import atexit
@@ -25,40 +25,56 @@ MAX_WORDS = 6000  # of a failing test's output that are shown
 
 
 class Tally:
-    """Prints a line for each test and counts."""
+    """Counts, and says what a person has to know."""
 
-    def __init__(self):
+    def __init__(self, verbose):
+        self.verbose = verbose
         self.passed, self.failed, self.skips = 0, [], []
+        self.suite, self.suite_passed, self.suite_failed, self.suite_start = None, 0, 0, time.monotonic()
         self.since = time.monotonic()
 
+    def enter(self, suite):
+        """The tests that follow belong to `suite`; says how the one before went."""
+        if suite == self.suite:
+            return
+        if self.suite and self.suite_passed + self.suite_failed:
+            failed = f", {self.suite_failed} failed" if self.suite_failed else ""
+            print(f"{time.monotonic() - self.suite_start:7.1f} s  {self.suite}: {self.suite_passed} passed{failed}", flush=True)
+        self.suite, self.suite_passed, self.suite_failed, self.suite_start = suite, 0, 0, time.monotonic()
+
     def line(self, verdict, suite, name, seconds=None):
+        self.enter(suite)
         now = time.monotonic()
         seconds = now - self.since if seconds is None else seconds
         self.since = now
-        print(f"{verdict:<8}{seconds:7.1f} s  {suite}: {name}", flush=True)
+        if self.verbose or verdict != "ok":
+            print(f"{verdict:<8}{seconds:7.1f} s  {suite}: {name}", flush=True)
 
     def ok(self, suite, name, seconds=None):
-        self.passed += 1
         self.line("ok", suite, name, seconds)
+        self.passed += 1
+        self.suite_passed += 1
 
     def fail(self, suite, name, words, seconds=None):
-        self.failed.append(f"{suite}: {name}")
         self.line("FAILED", suite, name, seconds)
+        self.failed.append(f"{suite}: {name}")
+        self.suite_failed += 1
         text = words.strip()
         if len(text) > MAX_WORDS:
             text = "[...]\n" + text[-MAX_WORDS:]
         print("".join(f"    | {line}\n" for line in text.splitlines()), end="", flush=True)
 
     def skip(self, suite, name):
-        self.skips.append(f"{suite}: {name}")
         self.line("skipped", suite, name)
+        self.skips.append(f"{suite}: {name}")
 
     def close(self):
         """@return the exit code."""
-        print()
+        self.enter(None)
         for name in self.failed:
-            print("failed: ", name)
-        print(f"{len(self.skips)} skipped" + "".join(f"\n  {name}" for name in self.skips))
+            print("failed:", name)
+        if self.skips:
+            print(f"{len(self.skips)} skipped")
         print(f"{self.passed} passed, {len(self.failed)} failed", flush=True)
         return 1 if self.failed or not self.passed else 0
 
@@ -113,20 +129,27 @@ def complaint(element):
     return f"{place}: {words or (element.text or '').strip()}"
 
 
+def unit_suite(path):
+    """unit/graph, process: the folder of a test's source below tests/."""
+    folder = pathlib.Path(path).parent
+    return f"unit/{folder.name}" if folder.parent.name == "unit" else folder.name or "unit"
+
+
 def take_catch_case(tally, case):
     result = case.find("OverallResult")
     name, seconds = case.get("name"), float(result.get("durationInSeconds", 0))
+    suite = unit_suite(case.get("filename", ""))
     warnings = [(w.text or "").strip() for w in case.iter("Warning")]
     skipped = [w for w in warnings if "skipped" in w]
     if result.get("success") != "true":
         failures = [complaint(e) for e in case.iter() if e.get("success") == "false" and e.tag == "Expression"]
         failures += [complaint(e) for e in case.iter() if e.tag in ("Failure", "Exception", "FatalErrorCondition")]
         infos = [(e.text or "").strip() for e in case.iter("Info")]
-        tally.fail("unit", name, "\n".join(failures + infos), seconds)
+        tally.fail(suite, name, "\n".join(failures + infos), seconds)
     elif skipped:
-        tally.skip("unit", f"{name} ({skipped[0]})")
+        tally.skip(suite, f"{name} ({skipped[0]})")
     else:
-        tally.ok("unit", name, seconds)
+        tally.ok(suite, name, seconds)
 
 
 def run_catch(tally, build):
@@ -200,17 +223,18 @@ def suites(build):
 
 def main():
     if len(sys.argv) < 2 or not (pathlib.Path(sys.argv[1]) / "bin").is_dir():
-        sys.exit("run_all.py BUILD_DIR [NAME...]: the first argument is a folder with a build in it")
-    build, wanted = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:]
+        sys.exit("run_all.py BUILD_DIR [--verbose] [NAME...]: the first argument is a folder with a build in it")
+    build, wanted = pathlib.Path(sys.argv[1]).resolve(), [word for word in sys.argv[2:] if word != "--verbose"]
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     atexit.register(lambda: Child.latest and Child.latest.process.poll() is None and Child.latest.end())
-    tally, start = Tally(), time.monotonic()
+    tally, start = Tally("--verbose" in sys.argv), time.monotonic()
     for name, run in suites(build):
         if wanted and not any(part in name for part in wanted):
             continue
         tally.since = time.monotonic()
         run(tally)
-    print(f"\nall in {time.monotonic() - start:.0f} s", end="")
+    tally.enter(None)
+    print(f"{time.monotonic() - start:7.1f} s  in all")
     sys.exit(tally.close())
 
 

@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Sourced by run.sh: an own port for each run, and a multicast route on loopback where there is none.
 
@@ -23,8 +24,7 @@ claim_bus_port() {
     claim udp "$PORT" || die "port $PORT is in use by another run; choose another MODSLAM_PORT"
     return
   fi
-  local try
-  for try in {1..50}; do
+  for _ in {1..50}; do
     PORT=$((20000 + (RANDOM * 32768 + RANDOM) % 10000))
     claim udp "$PORT" && return
   done

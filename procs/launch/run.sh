@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Sourced by run.sh: one run. Its folder, its processes under supervisor, its end and its results.
 
@@ -23,12 +24,13 @@ parse_run_options() {
   parse_options "$@"
   "$BIN/modslam-config" --config "$CONFIG" "${OVERRIDES[@]}" >/dev/null || exit 1
   OUT=${OUT:-$HOUSE/logs/$(date +%Y-%m-%d_%H-%M-%S)_$1}
-  mkdir -p "$OUT" 2>/dev/null && [[ -w $OUT ]] || die "$OUT: cannot be written"
+  if ! mkdir -p "$OUT" 2>/dev/null || [[ ! -w $OUT ]]; then die "$OUT: cannot be written"; fi
   OUT=$(readlink -f "$OUT")
 }
 
 setting() { "$BIN/modslam-config" --config "$CONFIG" "${OVERRIDES[@]}" --get "$1"; }
 
+# shellcheck disable=SC2034  # run.sh reads LOG and LOG_CODE
 # Sets LOG to what can be played: the log itself, or a copy without its damaged places, which the stock player would end at.
 check_log() {
   local code=0
@@ -204,9 +206,9 @@ on_signal() {  # exit code
 
 stop_run() {
   trap - EXIT
-  [[ -n $WAITING_PID ]] && kill "$WAITING_PID" 2>/dev/null || true
+  [[ -z $WAITING_PID ]] || kill "$WAITING_PID" 2>/dev/null || true
   is_program "$SUPERVISOR_PID" supervisord && kill -TERM "$SUPERVISOR_PID"
-  [[ -n $SUPERVISOR_PID ]] && wait "$SUPERVISOR_PID" 2>/dev/null || true
+  [[ -z $SUPERVISOR_PID ]] || wait "$SUPERVISOR_PID" 2>/dev/null || true
   SUPERVISOR_PID=""
   [[ -n ${SOCKET_DIR:-} ]] && rm -rf "$SOCKET_DIR"
   rm -f "$OUT/mended.lcm"

@@ -200,5 +200,16 @@ def paths_exist():
     equal(missing, [], "paths that do not exist")
 
 
+@test("every shell script stops at unset names, and shellcheck finds nothing in it")
+def strict_scripts():
+    scripts = [HOUSE / "run.sh", HOUSE / ".ci" / "run", *files("procs", "tests", suffixes={".sh"})]
+    check(len(scripts) > 5, "the scripts were not found")
+    lax = [str(p.relative_to(HOUSE)) for p in scripts
+           if p.read_text().startswith("#!") and not re.search(r"^set -e?uo? ?(pipefail)?$", p.read_text(), flags=re.M)]
+    equal(lax, [], "scripts that go on after an error or an unset name")
+    run = subprocess.run(["shellcheck", "-x", *scripts], cwd=HOUSE, capture_output=True, text=True, check=False)
+    equal(run.stdout, "", "shellcheck")
+
+
 if __name__ == "__main__":
     system.main()

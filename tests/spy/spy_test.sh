@@ -1,8 +1,8 @@
-#!/bin/bash
+#!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # spy_test.sh BUILD_DIR [PICTURE.png]: lcm-spy starts on a screen of its own, knows every message type of lcmtypes/, and
 # opens a channel's fields on a double click. Exit 77: skipped, tools are missing.
-set -u
+set -uo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$here/../..
 build=$1
@@ -16,6 +16,7 @@ done
 
 work=$(mktemp -d)
 pids=()
+# shellcheck disable=SC2317  # the trap calls it
 finish() {
   for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null; done
   wait 2>/dev/null
@@ -45,7 +46,7 @@ done
 [ -n "$window" ] || fail "spy opened no window within 30 s"
 echo "ok   spy opens its window"
 
-types=$(ls "$root"/lcmtypes/*.lcm | wc -l)
+types=$(find "$root/lcmtypes" -name "*.lcm" | wc -l)
 for _ in $(seq 50); do grep -q "Found .* LCM types" "$work/spy.log" && break; sleep 0.1; done
 found=$(sed -n 's/.*Found \([0-9]*\) LCM types.*/\1/p' "$work/spy.log")
 [ "$found" = "$types" ] || fail "spy found '$found' message types, lcmtypes/ has $types"
