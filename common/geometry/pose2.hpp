@@ -45,6 +45,17 @@ struct Pose2 {
   }
 };
 
+/// A pose that moves many points: its sine and cosine are computed once.
+class PointMover {
+ public:
+  explicit PointMover(const Pose2& T_a_b) : R_(rotation(T_a_b.heading)), t_(T_a_b.translation()) {}
+  Eigen::Vector2d operator*(const Eigen::Vector2d& p_b) const { return R_ * p_b + t_; }
+
+ private:
+  Eigen::Matrix2d R_;
+  Eigen::Vector2d t_;
+};
+
 /// T_b_c of two poses in one frame: inverse(T_a_b) * T_a_c.
 inline Pose2 between(const Pose2& T_a_b, const Pose2& T_a_c) { return T_a_b.inverse() * T_a_c; }
 

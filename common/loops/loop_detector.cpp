@@ -147,9 +147,6 @@ LoopProposal LoopDetector::match(const std::vector<Candidate>& pass) const {
     affected.push_back(&nodes_[static_cast<std::size_t>(candidate.id)]);
     proposal.affected.push_back(candidate.id);
   }
-  Submap map;
-  map.build(affected, kBlur_m);
-
   const Keyframe& now = nodes_.back();
   const Eigen::Matrix3d& cov = pass.front().cov;
   SearchWindow window;
@@ -158,8 +155,10 @@ LoopProposal LoopDetector::match(const std::vector<Candidate>& pass) const {
   window.prior_sigma_m = position_sigma(cov) + 0.05;
   window.prior_sigma_rad = std::sqrt(cov(2, 2)) + 0.02;
   window.prior_weight = 0.01;
+  Submap map;
+  map.build(affected, kBlur_m, window.half_m);
   const SearchResult coarse =
-      map.score_grid().search(thin_out(now.points_base, kSearchPoints), now.T_map_base, window, true);
+      map.score_grid().search(thin_out(now.points_base, kSearchPoints), now.T_map_base, window, config_.max_ambiguity - 0.02);
   RefineOptions options;
   options.gate_start_m = 0.3;
   const RefineResult fit = refine(now.points_base, map, coarse.T_map_base, options);
@@ -173,10 +172,11 @@ LoopProposal LoopDetector::match(const std::vector<Candidate>& pass) const {
   f.points = fit.pairs;
   f.iterations = fit.iterations;
   f.degenerate_rad = observed.degenerate_rad;
-  const Eigen::Vector2d eye = fit.T_map_base * now.eye_base;
+  const PointMover to_map(fit.T_map_base);
+  const Eigen::Vector2d eye = to_map * now.eye_base;
   int tested = 0, blocked = 0;
   for (std::size_t i = 0; i < now.points_base.size(); i += 5, ++tested)
-    blocked += map.is_blocked(eye, fit.T_map_base * now.points_base[i].p, 0.3);
+    blocked += map.is_blocked(eye, to_map * now.points_base[i].p, 0.3);
   f.free_violation = tested ? static_cast<double>(blocked) / tested : 0.0;
   Eigen::Vector3d d = between(now.T_map_base, fit.T_map_base).vector();
   const Eigen::Matrix3d slack = Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal();

@@ -9,8 +9,9 @@ void MapBuilder::add_node(const Scan& scan, const SensorInfo& sensor, const Pose
 }
 
 int MapBuilder::redraw(bool all) {
-  const double limit_m = all ? 0.1 * config_.redraw_m : config_.redraw_m;
-  const double limit_rad = all ? 0.1 * config_.redraw_rad : config_.redraw_rad;
+  // At the end a move that no cell would show is still left.
+  const double limit_m = all ? 0.05 * config_.resolution_m : config_.redraw_m;
+  const double limit_rad = all ? 4e-4 : config_.redraw_rad;
   int count = 0;
   for (Drawing& d : drawings_) {
     if (distance(d.drawn, d.wanted) <= limit_m && std::abs(wrap_angle(d.drawn.heading - d.wanted.heading)) <= limit_rad) continue;

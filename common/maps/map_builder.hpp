@@ -13,8 +13,8 @@ struct MapBuilderConfig {
   double range_limit_m = 30.0;
   double publish_s = 1.0;
   double redraw_s = 4.0;
-  double redraw_m = 0.02;
-  double redraw_rad = 0.004;
+  double redraw_m = 0.05;
+  double redraw_rad = 0.01;
 
   void visit(ConfigVisitor& v) {
     v.number("resolution_m", resolution_m, 0.005, 1, "m", "Side of a cell.");

@@ -48,7 +48,7 @@ std::vector<std::uint8_t> unpack_cells(const void* packed, std::size_t size, int
 std::vector<std::uint8_t> pack_cells(const std::vector<std::uint8_t>& cells) {
   uLongf length = compressBound(cells.size());
   std::vector<std::uint8_t> packed(length);
-  if (compress(packed.data(), &length, cells.data(), cells.size()) != Z_OK)
+  if (compress2(packed.data(), &length, cells.data(), cells.size(), Z_BEST_SPEED) != Z_OK)
     throw std::runtime_error("zlib cannot pack a tile");
   packed.resize(length);
   return packed;

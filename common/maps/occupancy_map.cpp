@@ -6,7 +6,8 @@
 namespace modslam {
 namespace {
 
-int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+constexpr int kTileShift = 6, kTileMask = OccupancyMap::kTileCells - 1;
+static_assert(OccupancyMap::kTileCells == 1 << kTileShift, "cells find their tile by shifting");
 
 }  // namespace
 
@@ -16,27 +17,37 @@ void OccupancyMap::clear() {
   last_tile_ = nullptr;
 }
 
-OccupancyMap::Cell& OccupancyMap::cell(int i, int j) {
-  const TileIndex index{floor_div(i, kTileCells), floor_div(j, kTileCells)};
-  if (!last_tile_ || index != last_index_) {
-    last_tile_ = &tiles_[index];
-    last_index_ = index;
-    changed_.insert(index);
+inline OccupancyMap::Cell& OccupancyMap::cell(int i, int j) {
+  const int x = i >> kTileShift, y = j >> kTileShift;  // rounds down, for negative cells too
+  if (!last_tile_ || x != last_index_.first || y != last_index_.second) {
+    last_index_ = {x, y};
+    last_tile_ = &tiles_[last_index_];
+    changed_.insert(last_index_);
   }
-  return (*last_tile_)[static_cast<std::size_t>((j - index.second * kTileCells) * kTileCells + (i - index.first * kTileCells))];
+  return (*last_tile_)[static_cast<std::size_t>(((j & kTileMask) << kTileShift) + (i & kTileMask))];
+}
+
+/// Scans of one laser point the same way: its directions are computed once.
+void OccupancyMap::aim(const Scan& scan) {
+  const std::size_t count = scan.ranges_m.size();
+  if (directions_.size() == count && aimed_rad0_ == scan.rad0 && aimed_radstep_ == scan.radstep) return;
+  aimed_rad0_ = scan.rad0;
+  aimed_radstep_ = scan.radstep;
+  directions_.resize(count);
+  for (std::size_t k = 0; k < count; ++k) directions_[k] = {std::cos(scan.bearing_rad(k)), std::sin(scan.bearing_rad(k))};
 }
 
 void OccupancyMap::draw(const Scan& scan, const SensorInfo& sensor, const Pose2& T_map_base, int sign) {
   last_tile_ = nullptr;  // so that every touched tile is noted as changed
   const Pose2 T_map_laser = T_map_base * sensor.T_base_laser;
+  const PointMover to_map(T_map_laser);
+  aim(scan);
   for (std::size_t k = 0; k < scan.ranges_m.size(); ++k) {
     const bool measured = is_return(scan.ranges_m[k], sensor);
     if (!measured && !(sensor.no_return_is_free && scan.ranges_m[k] >= sensor.range_max_m)) continue;
     const double range_m = measured ? static_cast<double>(scan.ranges_m[k]) : sensor.range_max_m;
     const double drawn_m = std::min(range_m, range_limit_m_);
-    const double bearing_rad = scan.bearing_rad(k);
-    const Eigen::Vector2d end = T_map_laser * Eigen::Vector2d(drawn_m * std::cos(bearing_rad), drawn_m * std::sin(bearing_rad));
-    draw_beam(T_map_laser.translation(), end, measured && range_m <= range_limit_m_, sign);
+    draw_beam(T_map_laser.translation(), to_map * (drawn_m * directions_[k]), measured && range_m <= range_limit_m_, sign);
   }
 }
 

@@ -41,12 +41,15 @@ class OccupancyMap {
   };
   using Tile = std::array<Cell, kTileCells * kTileCells>;
   void draw(const Scan& scan, const SensorInfo& sensor, const Pose2& T_map_base, int sign);
+  void aim(const Scan& scan);
   void draw_beam(const Eigen::Vector2d& from, const Eigen::Vector2d& to, bool ends_there, int sign);
   Cell& cell(int i, int j);
 
   double resolution_m_, range_limit_m_;
   std::map<TileIndex, Tile> tiles_;
   std::set<TileIndex> changed_;
+  std::vector<Eigen::Vector2d> directions_;  ///< of the beams, laser frame
+  double aimed_rad0_ = 0, aimed_radstep_ = 0;
   TileIndex last_index_{0, 0};  ///< beams stay in a tile for many cells
   Tile* last_tile_ = nullptr;
 };

@@ -14,6 +14,7 @@ constexpr double kBlur_m = 0.06;              // of the correlative grid
 constexpr int kSearchPoints = 120;            // used by the correlative search
 constexpr double kWideWindow_m = 0.8, kWideWindow_rad = 0.6;  // second look at a doubtful match
 constexpr double kSuspiciousInnovation = 16.27;               // chi2, 3 degrees of freedom, 99.9 %
+constexpr double kExpectedInnovation = 11.34;                 // the same, 99 %
 constexpr double kFullOverlap = 0.75;
 constexpr int kFailuresBeforeRestart = 8;     // scans in a row before the local map is given up
 
@@ -46,23 +47,7 @@ ScanMatch ScanMatcher::match(const Scan& scan, const SensorInfo& sensor, const P
   const Eigen::Matrix3d cov_motion = odometry_covariance(motion, odometry_model_);
   const Eigen::Matrix3d cov_guess = rotate(cov_motion, T_track_from.heading);
 
-  SearchWindow window;
-  window.half_m = config_.window_m + 2.2 * std::hypot(motion.x, motion.y);
-  window.half_rad = config_.window_rad + 0.5 * std::abs(motion.heading);
-  window.prior_sigma_m = std::sqrt(cov_motion(0, 0)) + 0.02;
-  window.prior_sigma_rad = std::sqrt(cov_motion(2, 2)) + 0.01;
-  window.prior_weight = 0.002;
-  Attempt best = attempt(points, sensor, guess, cov_guess, window);
-  if (!is_usable(best.verdict)) {
-    window.half_m = std::max(window.half_m, kWideWindow_m);
-    window.half_rad = std::max(window.half_rad, kWideWindow_rad);
-    // Whoever looks again does not trust the guess: it only decides between places that fit alike.
-    window.prior_sigma_m = window.half_m;
-    window.prior_sigma_rad = window.half_rad;
-    const Attempt wide = attempt(points, sensor, guess, cov_guess, window);
-    if (is_usable(wide.verdict) || wide.figures.overlap > best.figures.overlap) best = wide;
-  }
-
+  const Attempt best = best_attempt(points, sensor, motion, guess, cov_guess);
   match.verdict = best.verdict;
   match.figures = best.figures;
   Eigen::Matrix3d information_map = Eigen::Matrix3d::Zero();
@@ -84,15 +69,35 @@ ScanMatch ScanMatcher::match(const Scan& scan, const SensorInfo& sensor, const P
   return match;
 }
 
-ScanMatcher::Attempt ScanMatcher::attempt(const std::vector<OrientedPoint>& points, const SensorInfo& sensor,
-                                          const Pose2& guess, const Eigen::Matrix3d& cov_guess,
-                                          const SearchWindow& window) const {
+/// First the refinement alone, from the odometry: it needs no search where the odometry is as good as it claims and the whole scan fits.
+/// Else the search in a window as wide as the odometry may be wrong, and for an answer in doubt a wide one.
+ScanMatcher::Attempt ScanMatcher::best_attempt(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const Pose2& motion,
+                                               const Pose2& guess, const Eigen::Matrix3d& cov_guess) const {
+  Attempt best = refine_from(points, sensor, guess, guess, cov_guess);
+  if (is_usable(best.verdict) && best.figures.overlap > kFullOverlap && best.figures.innovation < kExpectedInnovation) return best;
+  const std::vector<Eigen::Vector2d> sparse = thin_out(points, kSearchPoints);
+  SearchWindow window;
+  window.half_m = config_.window_m + 2.2 * std::hypot(motion.x, motion.y);
+  window.half_rad = config_.window_rad + 0.5 * std::abs(motion.heading);
+  window.prior_sigma_m = std::sqrt(cov_guess.topLeftCorner<2, 2>().trace() / 2) + 0.02;
+  window.prior_sigma_rad = std::sqrt(cov_guess(2, 2)) + 0.01;
+  window.prior_weight = 0.002;
+  best = refine_from(points, sensor, submap_.score_grid().search(sparse, guess, window).T_map_base, guess, cov_guess);
+  if (is_usable(best.verdict)) return best;
+  // Whoever looks again does not trust the guess: it only decides between places that fit alike.
+  window.prior_sigma_m = window.half_m = std::max(window.half_m, kWideWindow_m);
+  window.prior_sigma_rad = window.half_rad = std::max(window.half_rad, kWideWindow_rad);
+  const Attempt wide = refine_from(points, sensor, submap_.score_grid().search(sparse, guess, window).T_map_base, guess, cov_guess);
+  return is_usable(wide.verdict) || wide.figures.overlap > best.figures.overlap ? wide : best;
+}
+
+ScanMatcher::Attempt ScanMatcher::refine_from(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const Pose2& start,
+                                              const Pose2& guess, const Eigen::Matrix3d& cov_guess) const {
   Attempt attempt;
-  const SearchResult coarse = submap_.score_grid().search(thin_out(points, kSearchPoints), guess, window);
   RefineOptions options;
   options.gate_start_m = 0.25;
   options.prior_information = cov_guess.inverse();
-  attempt.fit = refine(points, submap_, coarse.T_map_base, options);
+  attempt.fit = refine(points, submap_, start, options);
   attempt.observed = observed_information(attempt.fit);
   // Where the scan says nothing the guess stands, whatever the search happened to like there.
   Pose2& T = attempt.fit.T_map_base;
@@ -102,7 +107,6 @@ ScanMatcher::Attempt ScanMatcher::attempt(const std::vector<OrientedPoint>& poin
   T = {T.x + back[0], T.y + back[1], wrap_angle(T.heading + back[2])};
 
   MatchFigures& figures = attempt.figures;
-  figures.score = coarse.score;
   figures.overlap = attempt.fit.overlap;
   figures.chi2 = attempt.fit.chi2;
   figures.normal_ratio = attempt.fit.normal_ratio;
@@ -132,11 +136,12 @@ Verdict ScanMatcher::judge(const Attempt& attempt) const {
 
 double ScanMatcher::free_violation(const std::vector<OrientedPoint>& points, const SensorInfo& sensor,
                                    const Pose2& T) const {
-  const Eigen::Vector2d eye = T * sensor.T_base_laser.translation();
+  const PointMover to_map(T);
+  const Eigen::Vector2d eye = to_map * sensor.T_base_laser.translation();
   int tested = 0, blocked = 0;
   for (std::size_t i = 0; i < points.size(); i += 5) {
     ++tested;
-    blocked += submap_.is_blocked(eye, T * points[i].p, 0.3);
+    blocked += submap_.is_blocked(eye, to_map * points[i].p, 0.3);
   }
   return tested ? static_cast<double>(blocked) / tested : 0.0;
 }
@@ -157,7 +162,7 @@ void ScanMatcher::update_submap(const std::vector<OrientedPoint>& points, const 
   while (static_cast<std::int64_t>(keyframes_.size()) > config_.keyframes) keyframes_.pop_front();
   std::vector<const Keyframe*> all;
   for (const Keyframe& keyframe : keyframes_) all.push_back(&keyframe);
-  submap_.build(all, kBlur_m);
+  submap_.build(all, kBlur_m, kWideWindow_m);
 }
 
 }  // namespace modslam

@@ -68,8 +68,10 @@ class ScanMatcher {
     MatchFigures figures;
     Verdict verdict = Verdict::kFailed;
   };
-  Attempt attempt(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const Pose2& guess,
-                  const Eigen::Matrix3d& cov_guess, const SearchWindow& window) const;
+  Attempt best_attempt(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const Pose2& motion, const Pose2& guess,
+                       const Eigen::Matrix3d& cov_guess) const;
+  Attempt refine_from(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const Pose2& start, const Pose2& guess,
+                      const Eigen::Matrix3d& cov_guess) const;
   Verdict judge(const Attempt& attempt) const;
   double free_violation(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const Pose2& T) const;
   void update_submap(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const ScanMatch& match);

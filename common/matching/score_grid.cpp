@@ -8,7 +8,8 @@
 namespace modslam {
 namespace {
 
-constexpr int kShifts[] = {0, 2, 4};
+constexpr int kLevels = 5;         // level k: blocks of 2^k cells
+constexpr double kApart_m = 0.5, kApart_rad = 0.3;  // from here on a pose is another place than the winner's
 constexpr int kMargin = 40;        // free cells kept around the walls
 constexpr int kMaxSide = 2400;     // cells; farther points are left out
 
@@ -29,10 +30,18 @@ struct Block {
   }
 };
 
+/// The coarsest level with which a window of this many cells to each side is searched.
+int top_level(int half_cells) {
+  int level = 0;
+  while (level + 1 < kLevels && (1 << (level + 1)) <= half_cells / 2) ++level;
+  return level;
+}
+
 }  // namespace
 
-void ScoreGrid::build(const std::vector<Eigen::Vector2d>& walls, double blur_m) {
-  levels_.resize(std::size(kShifts));
+void ScoreGrid::build(const std::vector<Eigen::Vector2d>& walls, double blur_m, double widest_m) {
+  levels_.resize(kLevels);
+  levels_ready_ = static_cast<std::size_t>(top_level(static_cast<int>(std::ceil(widest_m / resolution_m_)))) + 1;
   Level& fine = levels_[0];
   if (walls.empty()) {
     for (Level& level : levels_) level.width = level.height = 0;
@@ -72,47 +81,58 @@ void ScoreGrid::build(const std::vector<Eigen::Vector2d>& walls, double blur_m) 
       for (int x = 0; x < side; ++x) row[x] = std::max(row[x], from[x]);
     }
   }
-  for (std::size_t k = 1; k < levels_.size(); ++k) {
-    levels_[k].shift = kShifts[k];
-    build_coarse(levels_[k - 1], levels_[k]);
+  Level blocks = fine;
+  for (std::size_t k = 1; k < levels_ready_; ++k) {
+    blocks = halve(blocks);
+    levels_[k] = with_neighbours(blocks);
   }
 }
 
-/// coarse(X) = max of the fine level over the block of X and the blocks after it in x and y: 2 x 2 blocks.
-void ScoreGrid::build_coarse(const Level& fine, Level& coarse) const {
-  const int factor = 1 << (coarse.shift - fine.shift);
-  coarse.width = (fine.width + factor - 1) / factor;
-  coarse.height = (fine.height + factor - 1) / factor;
-  const auto width = static_cast<std::size_t>(coarse.width), height = static_cast<std::size_t>(coarse.height);
-  std::vector<std::uint8_t> block(width * height, 0);
-  for (int y = 0; y < fine.height; ++y) {
-    const std::uint8_t* from = &fine.values[static_cast<std::size_t>(y) * static_cast<std::size_t>(fine.width)];
-    std::uint8_t* to = &block[static_cast<std::size_t>(y / factor) * width];
-    for (int x = 0; x < fine.width; ++x) to[x / factor] = std::max(to[x / factor], from[x]);
+/// Each cell the largest of 2 x 2.
+ScoreGrid::Level ScoreGrid::halve(const Level& fine) {
+  Level coarse;
+  coarse.shift = fine.shift + 1;
+  coarse.width = (fine.width + 1) / 2;
+  coarse.height = (fine.height + 1) / 2;
+  const auto width = static_cast<std::size_t>(fine.width), height = static_cast<std::size_t>(fine.height);
+  coarse.values.resize(static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(coarse.height));
+  std::vector<std::uint8_t> rows(width + 1, 0);  // the larger of two rows; one more column where the width is odd
+  std::uint8_t* to = coarse.values.data();
+  for (std::size_t y = 0; y < height; y += 2, to += coarse.width) {
+    const std::uint8_t *low = &fine.values[y * width], *high = y + 1 < height ? low + width : low;
+    for (std::size_t x = 0; x < width; ++x) rows[x] = std::max(low[x], high[x]);
+    for (std::size_t x = 0; x < static_cast<std::size_t>(coarse.width); ++x) to[x] = std::max(rows[2 * x], rows[2 * x + 1]);
   }
-  // The level below already reaches one of its own blocks too far; that only loosens the bound.
-  coarse.values.assign(width * height, 0);
-  for (std::size_t y = 0; y < height; ++y)
-    for (std::size_t x = 0; x < width; ++x) {
-      const std::size_t right = std::min(x + 1, width - 1), up = std::min(y + 1, height - 1);
-      coarse.values[y * width + x] = std::max(std::max(block[y * width + x], block[y * width + right]),
-                                              std::max(block[up * width + x], block[up * width + right]));
-    }
+  return coarse;
+}
+
+/// Each block the largest of itself and the blocks after it in x and y: wherever in a block a point lies, all poses of a block of
+/// translations keep it inside.
+ScoreGrid::Level ScoreGrid::with_neighbours(const Level& blocks) {
+  Level out = blocks;
+  const auto width = static_cast<std::size_t>(blocks.width), height = static_cast<std::size_t>(blocks.height);
+  std::vector<std::uint8_t> rows(width + 1, 0);
+  for (std::size_t y = 0; y < height; ++y) {
+    const std::uint8_t *low = &blocks.values[y * width], *high = y + 1 < height ? low + width : low;
+    for (std::size_t x = 0; x < width; ++x) rows[x] = std::max(low[x], high[x]);
+    for (std::size_t x = 0; x < width; ++x) out.values[y * width + x] = std::max(rows[x], rows[x + 1]);
+  }
+  return out;
 }
 
 double ScoreGrid::score(const std::vector<Eigen::Vector2d>& points_base, const Pose2& T_map_base) const {
   if (empty() || points_base.empty()) return 0;
   int sum = 0;
+  const PointMover to_map(T_map_base);
   for (const Eigen::Vector2d& p : points_base) {
-    const Eigen::Vector2d q = (T_map_base * p - origin_) / resolution_m_;
+    const Eigen::Vector2d q = (to_map * p - origin_) / resolution_m_;
     sum += levels_[0].at(static_cast<int>(std::floor(q.x())), static_cast<int>(std::floor(q.y())));
   }
   return sum / (255.0 * static_cast<double>(points_base.size()));
 }
 
 SearchResult ScoreGrid::search(const std::vector<Eigen::Vector2d>& points_base, const Pose2& guess,
-                               const SearchWindow& window, bool find_second, double apart_m,
-                               double apart_rad) const {
+                               const SearchWindow& window, double rival_share) const {
   SearchResult result;
   result.T_map_base = guess;
   if (empty() || points_base.empty()) return result;
@@ -129,7 +149,7 @@ SearchResult ScoreGrid::search(const std::vector<Eigen::Vector2d>& points_base, 
 
   std::vector<std::vector<Cell>> cells(static_cast<std::size_t>(2 * half_angles + 1));
   for (int a = -half_angles; a <= half_angles; ++a) {
-    const Pose2 turned(guess.x, guess.y, guess.heading + a * step_rad);
+    const PointMover turned(Pose2(guess.x, guess.y, guess.heading + a * step_rad));
     auto& list = cells[static_cast<std::size_t>(a + half_angles)];
     list.reserve(points_base.size());
     for (const Eigen::Vector2d& p : points_base) {
@@ -152,9 +172,9 @@ SearchResult ScoreGrid::search(const std::vector<Eigen::Vector2d>& points_base, 
     return sum;
   };
 
-  const int top = half_cells > 24 ? 2 : half_cells > 2 ? 1 : 0;
+  const int top = std::min(top_level(half_cells), static_cast<int>(levels_ready_) - 1);
   std::priority_queue<Block> open;
-  const int stride = 1 << kShifts[top];
+  const int stride = 1 << top;
   for (int angle = 0; angle <= 2 * half_angles; ++angle)
     for (int i = -half_cells; i <= half_cells; i += stride)
       for (int j = -half_cells; j <= half_cells; j += stride)
@@ -162,19 +182,24 @@ SearchResult ScoreGrid::search(const std::vector<Eigen::Vector2d>& points_base, 
 
   bool found = false;
   Block best{};
+  const double apart_cells2 = (kApart_m / resolution_m_) * (kApart_m / resolution_m_);
   while (!open.empty()) {
     const Block block = open.top();
     open.pop();
+    if (found && block.bound < rival_share * best.bound) {
+      result.second_score = std::max(0, block.bound) / (255.0 * n_points);
+      break;  // nothing left that could be called a rival
+    }
     const auto apart = [&](int i, int j) {
-      return std::hypot(i - best.i, j - best.j) * resolution_m_ > apart_m ||
-             std::abs(block.angle - best.angle) * step_rad > apart_rad;
+      return (i - best.i) * (i - best.i) + (j - best.j) * (j - best.j) > apart_cells2 ||
+             std::abs(block.angle - best.angle) * step_rad > kApart_rad;
     };
     if (block.level > 0) {
-      const int last = (1 << kShifts[block.level]) - 1;
+      const int last = (1 << block.level) - 1;
       if (found && !apart(block.i, block.j) && !apart(block.i + last, block.j) &&
           !apart(block.i, block.j + last) && !apart(block.i + last, block.j + last))
         continue;  // all of it is the winner's own surroundings
-      const int child = block.level - 1, step = 1 << kShifts[child], end = 1 << kShifts[block.level];
+      const int child = block.level - 1, step = 1 << child, end = 1 << block.level;
       for (int i = block.i; i < block.i + end && i <= half_cells; i += step)
         for (int j = block.j; j < block.j + end && j <= half_cells; j += step) {
           const int value = bound(child, block.angle, i, j);
@@ -193,12 +218,10 @@ SearchResult ScoreGrid::search(const std::vector<Eigen::Vector2d>& points_base, 
       result.score = to_score(block);
       result.at_border = std::abs(block.i) == half_cells || std::abs(block.j) == half_cells ||
                          std::abs(block.angle - half_angles) == half_angles;
-      if (!find_second) break;
+      if (rival_share <= 0) break;
     } else if (apart(block.i, block.j)) {
       result.second_score = to_score(block);
       break;
-    } else if (block.bound < best.bound * 3 / 4) {
-      break;  // nothing left that could be called a rival
     }
   }
   return result;

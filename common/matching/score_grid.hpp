@@ -26,7 +26,7 @@ struct SearchWindow {
 struct SearchResult {
   Pose2 T_map_base;
   double score = 0;        ///< 0..1, mean over the points, without the preference
-  double second_score = 0; ///< of the best pose well away from the winner (only when asked for)
+  double second_score = 0; ///< of the best pose well away from the winner, or a bound on it (only when asked for)
   bool at_border = false;  ///< the maximum lies on the edge of the window: it may be outside
 };
 
@@ -35,13 +35,14 @@ class ScoreGrid {
   explicit ScoreGrid(double resolution_m = 0.05) : resolution_m_(resolution_m) {}
 
   /// Fills the grid anew from wall points [m] in the map frame; memory is kept from call to call.
-  void build(const std::vector<Eigen::Vector2d>& walls, double blur_m);
+  /// @param widest_m half width of the widest window that will be searched fast: wider ones make the coarse levels.
+  void build(const std::vector<Eigen::Vector2d>& walls, double blur_m, double widest_m);
 
   /// @param points_base 2-D points of the scan, robot frame [m].
-  /// @param find_second also look for the best pose more than `apart_m` or `apart_rad` away from the winner.
-  SearchResult search(const std::vector<Eigen::Vector2d>& points_base, const Pose2& guess,
-                      const SearchWindow& window, bool find_second = false, double apart_m = 0.5,
-                      double apart_rad = 0.3) const;
+  /// @param rival_share also look for the best pose well away from the winner; 0: do not. Rivals below this share of the winner are not
+  /// told apart: second_score is then what none of them exceeds (with the preference for the guess taken off).
+  SearchResult search(const std::vector<Eigen::Vector2d>& points_base, const Pose2& guess, const SearchWindow& window,
+                      double rival_share = 0) const;
 
   /// Mean value under the points at one pose, 0..1.
   double score(const std::vector<Eigen::Vector2d>& points_base, const Pose2& T_map_base) const;
@@ -59,11 +60,13 @@ class ScoreGrid {
                  : 0;
     }
   };
-  void build_coarse(const Level& fine, Level& coarse) const;
+  static Level halve(const Level& fine);
+  static Level with_neighbours(const Level& blocks);
 
   double resolution_m_;
   Eigen::Vector2d origin_{0, 0};
-  std::vector<Level> levels_;  ///< shifts 0, 2, 4
+  std::vector<Level> levels_;  ///< by shift; the first levels_ready_ are filled
+  std::size_t levels_ready_ = 0;
 };
 
 }  // namespace modslam

@@ -13,7 +13,7 @@ constexpr int kMaxSide = 1500;            // cells
 
 }  // namespace
 
-void Submap::build(const std::vector<const Keyframe*>& keyframes, double blur_m) {
+void Submap::build(const std::vector<const Keyframe*>& keyframes, double blur_m, double widest_m) {
   std::vector<OrientedPoint> all;
   std::vector<Eigen::Vector2d> walls;
   for (const Keyframe* keyframe : keyframes) {
@@ -26,10 +26,11 @@ void Submap::build(const std::vector<const Keyframe*>& keyframes, double blur_m)
       if (point.has_normal) all.push_back(point);
     }
   }
-  score_grid_.build(walls, blur_m);
+  score_grid_.build(walls, blur_m, widest_m);
 
   width_ = height_ = 0;
   points_.clear();
+  surfaces_.clear();
   cell_start_.assign(1, 0);
   if (all.empty()) return;
   Eigen::Vector2d low = all[0].p, high = all[0].p;
@@ -50,6 +51,7 @@ void Submap::build(const std::vector<const Keyframe*>& keyframes, double blur_m)
   }
   for (std::size_t c = 0; c < n_cells; ++c) cell_start_[c + 1] += cell_start_[c];
   points_.resize(static_cast<std::size_t>(cell_start_[n_cells]));
+  surfaces_.resize(points_.size());
   std::vector<int> next(cell_start_.begin(), cell_start_.end() - 1);
   for (std::size_t i = 0; i < all.size(); ++i)
     if (cell[i] >= 0) points_[static_cast<std::size_t>(next[static_cast<std::size_t>(cell[i])]++)] = all[i];
@@ -61,54 +63,60 @@ int Submap::cell_of(const Eigen::Vector2d& p) const {
   return x >= 0 && y >= 0 && x < width_ && y < height_ ? y * width_ + x : -1;
 }
 
-bool Submap::nearest_surface(const Eigen::Vector2d& p, const Eigen::Vector2d& n, double gate_m,
-                             double min_cosine, Surface& out) const {
+template <class Visit>
+void Submap::for_points_around(const Eigen::Vector2d& p, int reach, Visit&& visit) const {
   const int cx = static_cast<int>(std::floor((p.x() - origin_.x()) / kCell_m));
   const int cy = static_cast<int>(std::floor((p.y() - origin_.y()) / kCell_m));
-  const auto for_cells = [&](int reach, auto&& visit) {
-    const int x0 = std::max(cx - reach, 0), x1 = std::min(cx + reach, width_ - 1);
-    for (int y = std::max(cy - reach, 0); y <= std::min(cy + reach, height_ - 1); ++y) {
-      if (x0 > x1) continue;
-      // Cells of a row stand side by side: their points are one run.
-      const auto row = static_cast<std::size_t>(y * width_);
-      const int begin = cell_start_[row + static_cast<std::size_t>(x0)],
-                end = cell_start_[row + static_cast<std::size_t>(x1) + 1];
-      for (int i = begin; i < end; ++i) visit(points_[static_cast<std::size_t>(i)]);
-    }
-  };
-  const OrientedPoint* nearest = nullptr;
+  const int x0 = std::max(cx - reach, 0), x1 = std::min(cx + reach, width_ - 1);
+  if (x0 > x1) return;
+  for (int y = std::max(cy - reach, 0); y <= std::min(cy + reach, height_ - 1); ++y) {
+    // Cells of a row stand side by side: their points are one run.
+    const auto row = static_cast<std::size_t>(y * width_);
+    const int begin = cell_start_[row + static_cast<std::size_t>(x0)], end = cell_start_[row + static_cast<std::size_t>(x1) + 1];
+    for (int i = begin; i < end; ++i) visit(static_cast<std::size_t>(i));
+  }
+}
+
+bool Submap::nearest_surface(const Eigen::Vector2d& p, const Eigen::Vector2d& n, double gate_m,
+                             double min_cosine, Surface& out) const {
+  bool found = false;
+  std::size_t nearest = 0;
   double best_d2 = gate_m * gate_m;
   const int most = static_cast<int>(std::ceil(gate_m / kCell_m));
   for (int reach = 1; reach <= std::max(1, most); ++reach) {
-    for_cells(reach, [&](const OrientedPoint& q) {
-      const double d2 = (q.p - p).squaredNorm();
-      if (d2 < best_d2 && q.n.dot(n) >= min_cosine) {
+    for_points_around(p, reach, [&](std::size_t i) {
+      const double d2 = (points_[i].p - p).squaredNorm();
+      if (d2 < best_d2 && points_[i].n.dot(n) >= min_cosine) {
         best_d2 = d2;
-        nearest = &q;
+        nearest = i;
+        found = true;
       }
     });
-    if (nearest && best_d2 <= reach * reach * kCell_m * kCell_m) break;  // nothing nearer lies farther out
+    if (found && best_d2 <= reach * reach * kCell_m * kCell_m) break;  // nothing nearer lies farther out
   }
-  if (!nearest) return false;
+  if (found) out = surface_at(nearest);
+  return found;
+}
 
-  out = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), 0.0, 0.0, 0};
-  for_cells(1, [&](const OrientedPoint& q) {
-    if ((q.p - nearest->p).squaredNorm() > kAverage_m * kAverage_m || q.n.dot(nearest->n) < kAverageCosine) return;
-    out.p += q.p;
-    out.n += q.n;
-    out.var_m2 += q.var_m2;
-    out.var_normal_rad2 += q.var_normal_rad2;
-    ++out.count;
+const Surface& Submap::surface_at(std::size_t point) const {
+  Surface& surface = surfaces_[point];
+  if (surface.count > 0) return surface;
+  const OrientedPoint& centre = points_[point];
+  surface.p = surface.n = Eigen::Vector2d::Zero();
+  for_points_around(centre.p, 1, [&](std::size_t i) {
+    const OrientedPoint& q = points_[i];
+    if ((q.p - centre.p).squaredNorm() > kAverage_m * kAverage_m || q.n.dot(centre.n) < kAverageCosine) return;
+    surface.p += q.p;
+    surface.n += q.n;
+    surface.var_m2 += q.var_m2;
+    surface.var_normal_rad2 += q.var_normal_rad2;
+    ++surface.count;
   });
-  if (out.count == 0) {  // the nearest one lies beyond the inner cells
-    out = {nearest->p, nearest->n, nearest->var_m2, nearest->var_normal_rad2, 1};
-    return true;
-  }
-  out.p /= out.count;
-  out.n.normalize();
-  out.var_m2 /= out.count * out.count;
-  out.var_normal_rad2 /= out.count * out.count;
-  return true;
+  surface.p /= surface.count;
+  surface.n.normalize();
+  surface.var_m2 /= surface.count * surface.count;
+  surface.var_normal_rad2 /= surface.count * surface.count;
+  return surface;
 }
 
 bool Submap::is_blocked(const Eigen::Vector2d& eye, const Eigen::Vector2d& p, double margin_m) const {

@@ -26,7 +26,8 @@ struct Surface {
 class Submap {
  public:
   /// Replaces the content. "map" is whatever frame the keyframes' poses are given in.
-  void build(const std::vector<const Keyframe*>& keyframes, double blur_m);
+  /// @param blur_m, widest_m of the correlative grid: how far a wall reaches, half width of the widest window that will be searched.
+  void build(const std::vector<const Keyframe*>& keyframes, double blur_m, double widest_m);
 
   /// The surface nearest to `p` within `gate_m` whose normal agrees with `n` (cosine >= min_cosine).
   /// @return false when there is none. Points around the nearest one are averaged (radius kAverage_m).
@@ -41,10 +42,15 @@ class Submap {
 
  private:
   int cell_of(const Eigen::Vector2d& p) const;
+  /// Visits the points of the cells up to `reach` cells around the one of `p`.
+  template <class Visit>
+  void for_points_around(const Eigen::Vector2d& p, int reach, Visit&& visit) const;
+  const Surface& surface_at(std::size_t point) const;
 
   static constexpr double kCell_m = 0.20;
   ScoreGrid score_grid_{0.05};
   std::vector<OrientedPoint> points_;  ///< map frame, ordered by cell
+  mutable std::vector<Surface> surfaces_;  ///< around each point; made when first asked for (count 0: not yet)
   std::vector<int> cell_start_;        ///< width * height + 1 offsets into points_
   Eigen::Vector2d origin_{0, 0};
   int width_ = 0, height_ = 0;

@@ -23,7 +23,7 @@ struct Map {
     for (int k = 0; k < scans; ++k) keyframes.push_back({T_map_base, points_at(plan, T_map_base, random), {0, 0}});
     std::vector<const Keyframe*> list;
     for (const Keyframe& keyframe : keyframes) list.push_back(&keyframe);
-    submap.build(list, 0.06);
+    submap.build(list, 0.06, 1.0);
   }
   std::vector<Keyframe> keyframes;
   Submap submap;

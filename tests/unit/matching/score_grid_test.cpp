@@ -30,7 +30,7 @@ double best_score_by_trying(const ScoreGrid& grid, const std::vector<Eigen::Vect
 
 TEST_CASE("points that lie on the walls score 1, points far from them 0") {
   ScoreGrid grid;
-  grid.build({{0, 0}, {1, 0}}, 0.06);
+  grid.build({{0, 0}, {1, 0}}, 0.06, 10.0);
   REQUIRE(grid.score({{0, 0}, {1, 0}}, {}) == Approx(1.0));
   REQUIRE(grid.score({{0, 0.8}, {1, 0.8}}, {}) == 0.0);
   REQUIRE(grid.score({{0, 0}, {500, 500}}, {}) == Approx(0.5));
@@ -41,7 +41,7 @@ TEST_CASE("best-first search finds as good a pose as trying every one") {
   int cases = 0;
   for (int round = 0; round < 40; ++round, ++cases) {
     ScoreGrid grid;
-    grid.build(random_points(random, 60, 2.0), 0.06);
+    grid.build(random_points(random, 60, 2.0), 0.06, 10.0);
     auto points = random_points(random, 30, 2.0);
     points.emplace_back(1.99, 0);  // the farthest of most points decides the step of the heading; see the clamp to 2 m
     const Pose2 guess(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-3, 3));
@@ -67,14 +67,14 @@ TEST_CASE("a shifted and turned copy of the walls is found where it lies") {
   for (int round = 0; round < 20; ++round) {
     const auto walls = random_points(random, 120, 4.0);
     ScoreGrid grid;
-    grid.build(walls, 0.06);
+    grid.build(walls, 0.06, 10.0);
     const Pose2 truth(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), random.uniform(-0.2, 0.2));
     std::vector<Eigen::Vector2d> points;
     for (const auto& wall : walls) points.push_back(truth.inverse() * wall);
     SearchWindow window;
     window.half_m = 0.8;
     window.half_rad = 0.3;
-    const SearchResult found = grid.search(points, {}, window, true);
+    const SearchResult found = grid.search(points, {}, window, 0.5);
     REQUIRE_THAT(found.T_map_base, IsNear(truth, 0.06, 0.02));
     REQUIRE_FALSE(found.at_border);
     REQUIRE(found.second_score < 0.7 * found.score);
@@ -87,10 +87,10 @@ TEST_CASE("two equal places are both seen: the second score comes near the first
   for (int k = -10; k <= 10; ++k) posts.emplace_back(k, 1.0);
   for (int k = -3; k <= 3; ++k) seen.emplace_back(k, 1.0);
   ScoreGrid grid;
-  grid.build(posts, 0.06);
+  grid.build(posts, 0.06, 10.0);
   SearchWindow window;
   window.half_m = 1.5;
-  const SearchResult found = grid.search(seen, {}, window, true);
+  const SearchResult found = grid.search(seen, {}, window, 0.5);
   REQUIRE(found.second_score > 0.95 * found.score);
 }
 
@@ -98,7 +98,7 @@ TEST_CASE("the preference for the guess decides between equal places") {
   std::vector<Eigen::Vector2d> posts;
   for (int k = -10; k <= 10; ++k) posts.emplace_back(k, 1.0);
   ScoreGrid grid;
-  grid.build(posts, 0.06);
+  grid.build(posts, 0.06, 10.0);
   SearchWindow window;
   window.half_m = 1.5;
   window.prior_sigma_m = 0.2;
@@ -109,7 +109,7 @@ TEST_CASE("the preference for the guess decides between equal places") {
 
 TEST_CASE("a maximum outside the window is announced at its border") {
   ScoreGrid grid;
-  grid.build({{0, 0}, {0.5, 0.3}, {1, -0.2}}, 0.06);
+  grid.build({{0, 0}, {0.5, 0.3}, {1, -0.2}}, 0.06, 10.0);
   SearchWindow window;
   window.half_m = 0.10;
   window.half_rad = 0.01;
@@ -121,8 +121,8 @@ TEST_CASE("without walls or without points the guess comes back with score 0") {
   const Pose2 guess(1, 2, 0.3);
   REQUIRE(grid.empty());
   REQUIRE_THAT(grid.search({{1, 1}}, guess, {}).T_map_base, IsNear(guess, 0, 0));
-  grid.build({{0, 0}}, 0.06);
+  grid.build({{0, 0}}, 0.06, 10.0);
   REQUIRE(grid.search({}, guess, {}).score == 0.0);
-  grid.build({}, 0.06);
+  grid.build({}, 0.06, 10.0);
   REQUIRE(grid.empty());
 }

@@ -20,7 +20,7 @@ Keyframe keyframe_at(const Plan& plan, const Pose2& T_map_base) {
 TEST_CASE("the nearest surface is the one that looking at every point finds") {
   const Keyframe a = keyframe_at(furnished_room(), {0, 0, 0.3}), b = keyframe_at(furnished_room(), {1.5, 1, -2});
   Submap map;
-  map.build({&a, &b}, 0.06);
+  map.build({&a, &b}, 0.06, 1.0);
   std::vector<OrientedPoint> all;
   for (const Keyframe* keyframe : {&a, &b})
     for (OrientedPoint point : keyframe->points_base)
@@ -61,7 +61,7 @@ TEST_CASE("a wall blocks the view of what lies behind it, a doorway does not") {
   plan.push_back({{0.5, 2}, {3, 2}});  // a doorway of a metre in the middle
   const Keyframe a = keyframe_at(plan, {}), b = keyframe_at(plan, {-0.5, 0, 0.1}), c = keyframe_at(plan, {0.4, 0.2, 0.2});
   Submap map;
-  map.build({&a, &b, &c}, 0.06);
+  map.build({&a, &b, &c}, 0.06, 1.0);
   REQUIRE(map.is_blocked({-1.5, 0}, {-1.5, 5}, 0.3));
   REQUIRE_FALSE(map.is_blocked({0, 0}, {0, 5}, 0.3));
   REQUIRE_FALSE(map.is_blocked({-1.5, 0}, {-1.5, 2.0}, 0.3));  // it ends on the wall: that is a hit
@@ -71,9 +71,9 @@ TEST_CASE("an empty submap finds and blocks nothing") {
   Submap map;
   Surface surface;
   REQUIRE_FALSE(map.nearest_surface({0, 0}, {1, 0}, 0.5, 0.9, surface));
-  map.build({}, 0.06);
+  map.build({}, 0.06, 1.0);
   const Keyframe blind{{}, {}, {0, 0}};
-  map.build({&blind}, 0.06);
+  map.build({&blind}, 0.06, 1.0);
   REQUIRE(map.size() == 0);
   REQUIRE_FALSE(map.nearest_surface({0, 0}, {1, 0}, 0.5, 0.9, surface));
   REQUIRE_FALSE(map.is_blocked({0, 0}, {1, 0}, 0.3));
