@@ -38,7 +38,7 @@ std::vector<OrientedPoint> orient(const Scan& scan, const SensorInfo& sensor, co
     const ScanPoint& point = points[i];
     if (point.range_m > range_limit_m) continue;
     if (!oriented.empty() && (oriented.back().p - point.p).squaredNorm() < spacing_m * spacing_m) continue;
-    OrientedPoint out{point.p, Eigen::Vector2d::Zero(), var_range, 0.0, false};
+    OrientedPoint out{point.p, Eigen::Vector2d::Zero(), static_cast<float>(var_range), 0.0F};
 
     const auto [first, last] = surface(points, i, std::abs(scan.radstep));
     const double count = static_cast<double>(last - first + 1);
@@ -62,9 +62,8 @@ std::vector<OrientedPoint> orient(const Scan& scan, const SensorInfo& sensor, co
         const Eigen::Vector2d beam = (point.p - eye).normalized();
         if (out.n.dot(beam) > 0) out.n = -out.n;
         const double c = out.n.dot(beam), across_beam = point.range_m * noise.sigma_bearing_rad;
-        out.var_m2 = var_range * c * c + across_beam * across_beam * (1 - c * c);
-        out.var_normal_rad2 = var_range / along2;
-        out.has_normal = true;
+        out.var_m2 = static_cast<float>(var_range * c * c + across_beam * across_beam * (1 - c * c));
+        out.var_normal_rad2 = static_cast<float>(var_range / along2);
       }
     }
     oriented.push_back(out);

@@ -16,9 +16,9 @@ struct RangeNoise {
 struct OrientedPoint {
   Eigen::Vector2d p;      ///< [m]
   Eigen::Vector2d n;      ///< unit normal, towards the sensor; zero when there is no surface
-  double var_m2;          ///< variance of the point along n (along the beam when there is no surface)
-  double var_normal_rad2; ///< variance of the direction of n
-  bool has_normal;
+  float var_m2;           ///< variance of the point along n (along the beam when there is no surface)
+  float var_normal_rad2;  ///< variance of the direction of n
+  bool has_normal() const { return n != Eigen::Vector2d::Zero(); }
 };
 
 /// Points of a scan in the robot frame with surface normals by total least squares over the neighbouring

@@ -28,7 +28,7 @@ Normal accumulate(const std::vector<OrientedPoint>& points, const Submap& map, c
   const Eigen::Matrix2d R = rotation(T.heading);
   const double model2 = options.model_sigma_m * options.model_sigma_m;
   for (const OrientedPoint& point : points) {
-    if (!point.has_normal) continue;
+    if (!point.has_normal()) continue;
     ++sum.candidates;
     const Eigen::Vector2d Rp = R * point.p, p = Rp + T.translation(), n_point = R * point.n;
     Surface surface;
@@ -48,7 +48,7 @@ Normal accumulate(const std::vector<OrientedPoint>& points, const Submap& map, c
       sum.normals += surface.n * surface.n.transpose();
       const Eigen::Vector2d t(-surface.n.y(), surface.n.x());
       const Eigen::Vector3d b(-t.x(), -t.y(), t.x() * Rp.y() - t.y() * Rp.x());
-      sum.S += weight * (point.var_normal_rad2 / std::max(1, surface.count) + surface.var_normal_rad2) * b * b.transpose();
+      sum.S += weight * (double{point.var_normal_rad2} / std::max(1, surface.count) + surface.var_normal_rad2) * b * b.transpose();
     }
   }
   return sum;

@@ -23,7 +23,7 @@ void Submap::build(const std::vector<const Keyframe*>& keyframes, double blur_m,
       point.p = R * point.p + t;
       point.n = R * point.n;
       walls.push_back(point.p);
-      if (point.has_normal) all.push_back(point);
+      if (point.has_normal()) all.push_back(point);
     }
   }
   score_grid_.build(walls, blur_m, widest_m);

@@ -24,7 +24,7 @@ TEST_CASE("the nearest surface is the one that looking at every point finds") {
   std::vector<OrientedPoint> all;
   for (const Keyframe* keyframe : {&a, &b})
     for (OrientedPoint point : keyframe->points_base)
-      if (point.has_normal) {
+      if (point.has_normal()) {
         point.p = keyframe->T_map_base * point.p;
         point.n = rotation(keyframe->T_map_base.heading) * point.n;
         all.push_back(point);
