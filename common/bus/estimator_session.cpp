@@ -7,11 +7,13 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/conversions.hpp"
+#include "common/loops/overlap.hpp"
 
 namespace modslam {
 namespace {
 
 constexpr std::size_t kPosesPerChunk = 1000, kEdgesPerChunk = 400;  // both below 60 kB
+constexpr double kPolishSpacing_m = 0.03;
 constexpr NodeId kNodesPerTick = 20;
 
 graph_edge_t to_message(const GraphEdge& edge) {
@@ -61,6 +63,20 @@ LoopFate EstimatorSession::add_loop(const LoopProposal& proposal) {
 void EstimatorSession::finish() {
   if (nodes_.empty()) return;
   estimator_.settle(true);
+  publish_changes();
+}
+
+void EstimatorSession::polish(const RangeNoise& noise, double range_limit_m) {
+  const std::int64_t size = static_cast<std::int64_t>(nodes_.size()) + estimator_.accepted();
+  if (size == polished_size_) return;  // nothing came since
+  std::vector<Keyframe> nodes;
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const SensorInfo sensor = to_sensor_info(nodes_[k].sensor);
+    nodes.push_back({estimator_.graph().poses[k], orient(to_scan(nodes_[k].scan), sensor, noise, range_limit_m, kPolishSpacing_m),
+                     sensor.T_base_laser.translation()});
+  }
+  estimator_.polish(measure_overlaps(nodes));
+  polished_size_ = size;
   publish_changes();
 }
 

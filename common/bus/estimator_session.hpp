@@ -9,6 +9,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/graph/estimator.hpp"
+#include "common/matching/oriented_points.hpp"
 #include "common/scan/scan.hpp"
 
 namespace modslam {
@@ -23,6 +24,8 @@ class EstimatorSession {
   LoopFate add_loop(const LoopProposal& proposal);
   /// The input has ended: optimise to convergence and publish what moved.
   void finish();
+  /// Measures all scans that see the same surfaces against each other and moves the nodes accordingly; publishes what moved.
+  void polish(const RangeNoise& noise, double range_limit_m);
   /// Sends a piece of what was asked for; called often, so that answers do not flood the network.
   void tick();
 
@@ -39,6 +42,7 @@ class EstimatorSession {
   GraphEstimator estimator_;
   std::vector<graph_node_t> nodes_;
   std::int64_t pose_seq_ = 0, graph_seq_ = 0, waiting_ = 0, refused_ = 0;
+  std::int64_t polished_size_ = 0;  ///< nodes and loops at the last polish
   NodeId resend_from_ = -1;  ///< -1: nobody asked
 };
 

@@ -160,6 +160,21 @@ void GraphEstimator::optimize(bool thoroughly) {
     else
       optimize_gauss_newton(graph_, options);
   } while (retract_worst());
+  note_moves();
+}
+
+void GraphEstimator::polish(const std::vector<GraphEdge>& overlaps) {
+  const std::size_t count = graph_.edges.size();
+  graph_.edges.insert(graph_.edges.end(), overlaps.begin(), overlaps.end());
+  OptimizeOptions options;
+  options.dcs_phi = config_.dcs_phi;
+  options.max_iterations = 10;
+  optimize_gauss_newton(graph_, options);
+  graph_.edges.resize(count);
+  note_moves();
+}
+
+void GraphEstimator::note_moves() {
   bool any = false;
   for (std::size_t k = 0; k < graph_.poses.size(); ++k) {
     const Pose2 &now = graph_.poses[k], &then = published_poses_[k];

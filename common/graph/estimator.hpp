@@ -30,6 +30,7 @@ struct EstimatorConfig {
   std::int64_t postpone = 10;
   double moved_m = 0.002;
   double moved_rad = 0.0005;
+  bool polish = true;
 
   void visit(ConfigVisitor& v) {
     v.choice("method", method, {"gauss-newton", "toro"}, "Optimiser of the pose graph.");
@@ -44,6 +45,7 @@ struct EstimatorConfig {
     v.integer("postpone", postpone, 1, 1000, "", "Loops that change nothing much are optimised together, at most so many.");
     v.number("moved_m", moved_m, 0, 1, "m", "Smaller moves of a node are not published.");
     v.number("moved_rad", moved_rad, 0, 1, "rad", "Smaller turns of a node are not published.");
+    v.flag("polish", polish, "At the end, compare every scan with the scans around it and refine all poses together.");
   }
 };
 
@@ -74,6 +76,8 @@ class GraphEstimator {
   LoopFate add_loop(const LoopProposal& proposal);
   /// Optimises what was postponed; `thoroughly` to convergence (end of a run).
   void settle(bool thoroughly);
+  /// Moves the nodes to where all edges together with these measurements want them; the measurements are not kept.
+  void polish(const std::vector<GraphEdge>& overlaps);
 
   GraphChanges take_changes();
   const PoseGraph& graph() const { return graph_; }
@@ -89,6 +93,7 @@ class GraphEstimator {
   bool agrees_with_graph(const LoopProposal& loop, bool& trusted) const;
   bool consistent(const LoopProposal& a, const LoopProposal& b) const;
   void optimize(bool thoroughly);
+  void note_moves();
   bool retract_worst();
 
   EstimatorConfig config_;

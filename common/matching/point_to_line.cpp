@@ -22,7 +22,7 @@ struct Normal {
 };
 
 /// Sums the normal equations at a pose; `last` also counts the inliers and the spurious information.
-Normal accumulate(const std::vector<OrientedPoint>& points, const Submap& map, const Pose2& T, double gate_m,
+Normal accumulate(const std::vector<OrientedPoint>& points, const SurfaceSource& map, const Pose2& T, double gate_m,
                   const RefineOptions& options, bool last) {
   Normal sum;
   const Eigen::Matrix2d R = rotation(T.heading);
@@ -56,7 +56,7 @@ Normal accumulate(const std::vector<OrientedPoint>& points, const Submap& map, c
 
 }  // namespace
 
-RefineResult refine(const std::vector<OrientedPoint>& points, const Submap& map, const Pose2& guess,
+RefineResult refine(const std::vector<OrientedPoint>& points, const SurfaceSource& map, const Pose2& guess,
                     const RefineOptions& options) {
   RefineResult result;
   Pose2 T = guess;

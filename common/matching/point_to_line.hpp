@@ -33,7 +33,7 @@ struct RefineResult {
 };
 
 /// @param points robot frame. Cost O(points * iterations).
-RefineResult refine(const std::vector<OrientedPoint>& points, const Submap& map, const Pose2& guess,
+RefineResult refine(const std::vector<OrientedPoint>& points, const SurfaceSource& map, const Pose2& guess,
                     const RefineOptions& options);
 
 }  // namespace modslam

@@ -23,16 +23,25 @@ struct Surface {
   int count = 0;
 };
 
-class Submap {
+/// Where refine() finds the partners of its points.
+class SurfaceSource {
+ public:
+  virtual ~SurfaceSource() = default;
+  /// The surface nearest to `p` within `gate_m` whose normal agrees with `n` (cosine >= min_cosine).
+  /// @return false when there is none.
+  virtual bool nearest_surface(const Eigen::Vector2d& p, const Eigen::Vector2d& n, double gate_m, double min_cosine,
+                               Surface& out) const = 0;
+};
+
+class Submap : public SurfaceSource {
  public:
   /// Replaces the content. "map" is whatever frame the keyframes' poses are given in.
   /// @param blur_m, widest_m of the correlative grid: how far a wall reaches, half width of the widest window that will be searched.
   void build(const std::vector<const Keyframe*>& keyframes, double blur_m, double widest_m);
 
-  /// The surface nearest to `p` within `gate_m` whose normal agrees with `n` (cosine >= min_cosine).
-  /// @return false when there is none. Points around the nearest one are averaged (radius kAverage_m).
+  /// Points around the nearest one are averaged (radius kAverage_m).
   bool nearest_surface(const Eigen::Vector2d& p, const Eigen::Vector2d& n, double gate_m, double min_cosine,
-                       Surface& out) const;
+                       Surface& out) const override;
 
   /// Share of the segment eye -> p (map frame) that crosses known surfaces more than margin_m before p: 0 or 1.
   bool is_blocked(const Eigen::Vector2d& eye, const Eigen::Vector2d& p, double margin_m) const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// procs/graph_optimizer — SCAN_MATCH + LASER + ODOMETRY + INS + LOOP (+ SYNC_REQUEST) → POSE, NODE, GRAPH.
-/// Config: [graph_optimizer], [odometry_model].
+/// Config: [graph_optimizer], [odometry_model], [scan_matcher] (range noise and limit).
 #include <bot_core/planar_lidar_t.hpp>
 #include <Eigen/LU>
 #include <bot_core/pose_t.hpp>
@@ -22,7 +22,9 @@ constexpr std::size_t kScansKept = 400;  // that wait for their match
 class GraphOptimizerModule : public Module {
  public:
   GraphOptimizerModule(Bus& bus, const SystemConfig& config)
-      : bus_(bus), model_(config.odometry_model), session_(bus, config.graph_optimizer) {
+      : bus_(bus), model_(config.odometry_model), session_(bus, config.graph_optimizer),
+        polish_(config.graph_optimizer.polish), sigma_range_m_(config.scan_matcher.sigma_range_m),
+        range_limit_m_(config.scan_matcher.range_limit_m) {
     bus.subscribe<sensor_info_t>(channel::kSensorInfo, [this](const sensor_info_t& m) {
       if (m.sensor == channel::kLaser) sensor_ = to_sensor_info(m);
     });
@@ -36,7 +38,10 @@ class GraphOptimizerModule : public Module {
     bus.subscribe<loop_closure_t>(channel::kLoop, [this](const loop_closure_t& m) { session_.add_loop(to_loop(m)); });
   }
 
-  void finish() override { session_.finish(); }
+  void finish() override {
+    session_.finish();
+    if (polish_) session_.polish({sigma_range_m_, 1e-3}, range_limit_m_);
+  }
   void tick(std::int64_t) override { session_.tick(); }
   std::string words() const override { return session_.words(); }
 
@@ -118,6 +123,8 @@ class GraphOptimizerModule : public Module {
   Bus& bus_;
   OdometryModelConfig model_;
   EstimatorSession session_;
+  bool polish_;
+  double sigma_range_m_, range_limit_m_;
   SensorInfo sensor_;
   OdometryBuffer odometry_, ins_;
   std::deque<Scan> scans_;
