@@ -13,7 +13,7 @@ namespace modslam {
 namespace {
 
 constexpr std::size_t kPosesPerChunk = 1000, kEdgesPerChunk = 400;  // both below 60 kB
-constexpr double kPolishSpacing_m = 0.03;
+constexpr double kPolishSpacing_m = 0.05;
 constexpr NodeId kNodesPerTick = 20;
 
 graph_edge_t to_message(const GraphEdge& edge) {
@@ -75,7 +75,7 @@ void EstimatorSession::polish(const RangeNoise& noise, double range_limit_m) {
     nodes.push_back({estimator_.graph().poses[k], orient(to_scan(nodes_[k].scan), sensor, noise, range_limit_m, kPolishSpacing_m),
                      sensor.T_base_laser.translation()});
   }
-  estimator_.polish(measure_overlaps(nodes));
+  estimator_.polish(measure_overlaps(std::move(nodes)));
   polished_size_ = size;
   publish_changes();
 }

@@ -102,7 +102,7 @@ LoopFate GraphEstimator::add_loop(const LoopProposal& loop) {
 }
 
 bool GraphEstimator::agrees_with_graph(const LoopProposal& loop, bool& trusted) const {
-  const RelativeCovariance covariance(graph_.poses, edges(), loop.from);
+  const RelativeCovariance covariance(graph_.poses, edges(), loop.from, {loop.to});
   const Eigen::Matrix3d& cov_graph = covariance[loop.to];
   trusted = position_sigma(cov_graph) < config_.trusted_sigma_m;
   const Pose2 T_graph = between(graph_.poses[static_cast<std::size_t>(loop.from)], graph_.poses[static_cast<std::size_t>(loop.to)]);
@@ -120,9 +120,9 @@ bool GraphEstimator::consistent(const LoopProposal& a, const LoopProposal& b) co
   const Pose2 T_new = between(at(a.to), at(b.to)), T_old = between(at(a.from), at(b.from));
   const Pose2 left = a.T_from_to * T_new, right = T_old * b.T_from_to;  // both: old node of a -> new node of b
   const Eigen::Matrix3d cov_left =
-      compose_covariance(a.T_from_to, loop_covariance(a), T_new, RelativeCovariance(poses, all, a.to)[b.to]);
+      compose_covariance(a.T_from_to, loop_covariance(a), T_new, RelativeCovariance(poses, all, a.to, {b.to})[b.to]);
   const Eigen::Matrix3d cov_right =
-      compose_covariance(T_old, RelativeCovariance(poses, all, a.from)[b.from], b.T_from_to, loop_covariance(b));
+      compose_covariance(T_old, RelativeCovariance(poses, all, a.from, {b.from})[b.from], b.T_from_to, loop_covariance(b));
   Eigen::Vector3d d = left.vector() - right.vector();
   d[2] = wrap_angle(d[2]);
   const Eigen::Matrix3d slack = Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal();

@@ -2,9 +2,32 @@
 #include "common/graph/relative_covariance.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <queue>
 
 namespace modslam {
+namespace {
+
+/// The edges that touch each node, in one array ordered by node.
+class EdgesByNode {
+ public:
+  EdgesByNode(std::size_t nodes, const std::vector<const GraphEdge*>& edges) : start_(nodes + 1, 0), edges_(2 * edges.size()) {
+    for (const GraphEdge* edge : edges)
+      for (const NodeId id : {edge->from, edge->to}) ++start_[static_cast<std::size_t>(id) + 1];
+    for (std::size_t k = 0; k < nodes; ++k) start_[k + 1] += start_[k];
+    std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
+    for (const GraphEdge* edge : edges)
+      for (const NodeId id : {edge->from, edge->to}) edges_[next[static_cast<std::size_t>(id)]++] = edge;
+  }
+  const GraphEdge* const* begin(std::size_t node) const { return edges_.data() + start_[node]; }
+  const GraphEdge* const* end(std::size_t node) const { return edges_.data() + start_[node + 1]; }
+
+ private:
+  std::vector<std::size_t> start_;
+  std::vector<const GraphEdge*> edges_;
+};
+
+}  // namespace
 
 Eigen::Matrix3d edge_covariance_from(const GraphEdge& edge) {
   const Eigen::Matrix3d floor = Eigen::Vector3d(1e-2, 1e-2, 1e-1).asDiagonal();  // 10 m, 3 rad
@@ -14,14 +37,13 @@ Eigen::Matrix3d edge_covariance_from(const GraphEdge& edge) {
 }
 
 RelativeCovariance::RelativeCovariance(const std::vector<Pose2>& poses, const std::vector<const GraphEdge*>& edges,
-                                       NodeId source) {
+                                       NodeId source, const std::vector<NodeId>& targets) {
   constexpr double kUnreached = 1e6;
   covariance_.assign(poses.size(), kUnreached * Eigen::Matrix3d::Identity());
-  std::vector<std::vector<const GraphEdge*>> edges_at(poses.size());
-  for (const GraphEdge* edge : edges) {
-    edges_at[static_cast<std::size_t>(edge->from)].push_back(edge);
-    edges_at[static_cast<std::size_t>(edge->to)].push_back(edge);
-  }
+  const EdgesByNode edges_at(poses.size(), edges);
+  std::vector<bool> wanted(poses.size(), targets.empty());
+  for (const NodeId id : targets) wanted[static_cast<std::size_t>(id)] = true;
+  auto missing = std::count(wanted.begin(), wanted.end(), true);
   using Item = std::pair<double, NodeId>;
   std::priority_queue<Item, std::vector<Item>, std::greater<Item>> open;
   std::vector<bool> done(poses.size(), false);
@@ -33,8 +55,10 @@ RelativeCovariance::RelativeCovariance(const std::vector<Pose2>& poses, const st
     open.pop();
     if (done[at]) continue;
     done[at] = true;
+    if (wanted[at] && --missing == 0) break;
     const Pose2 T_source_at = between(poses[static_cast<std::size_t>(source)], poses[at]);
-    for (const GraphEdge* edge : edges_at[at]) {
+    for (const GraphEdge* const* k = edges_at.begin(at); k != edges_at.end(at); ++k) {
+      const GraphEdge* edge = *k;
       const bool forward = static_cast<std::size_t>(edge->from) == at;
       const auto other = static_cast<std::size_t>(forward ? edge->to : edge->from);
       if (done[other]) continue;

@@ -10,10 +10,12 @@ namespace modslam {
 
 /// Covariance of every node's pose relative to `source`, in the frame of `source` (order x y heading), composed along the best
 /// chain of edges to it (Dijkstra, least position variance). An upper bound of the exact marginal: parallel chains are not combined.
-/// Nodes that cannot be reached have a huge one. Cost O(E log N). @param poses, edges_at: edges touching each node.
+/// Nodes that cannot be reached have a huge one. Cost O(E log N).
 class RelativeCovariance {
  public:
-  RelativeCovariance(const std::vector<Pose2>& poses, const std::vector<const GraphEdge*>& edges, NodeId source);
+  /// @param targets the nodes that will be asked for; the search ends when it has them. Empty: all nodes.
+  RelativeCovariance(const std::vector<Pose2>& poses, const std::vector<const GraphEdge*>& edges, NodeId source,
+                     const std::vector<NodeId>& targets = {});
   const Eigen::Matrix3d& operator[](NodeId id) const { return covariance_[static_cast<std::size_t>(id)]; }
 
  private:

@@ -67,7 +67,7 @@ void LoopDetector::rebuild_tree() {
 }
 
 std::vector<LoopProposal> LoopDetector::detect(const std::vector<const GraphEdge*>& edges) {
-  if (nodes_.empty() || way_m_.back() - last_look_m_ < config_.cooldown_m) return {};
+  if (!wants_to_look()) return {};
   if (tree_stale_) rebuild_tree();
   std::vector<LoopProposal> proposals;
   const auto passes = split_into_passes(visible_candidates(edges));
@@ -86,7 +86,9 @@ std::vector<LoopDetector::Candidate> LoopDetector::visible_candidates(
 
   std::vector<Pose2> poses;
   for (const Keyframe& node : nodes_) poses.push_back(node.T_map_base);
-  const RelativeCovariance covariance(poses, edges, newest);
+  std::vector<NodeId> ids;
+  for (const QuadTree::Entry& entry : near) ids.push_back(entry.id);
+  const RelativeCovariance covariance(poses, edges, newest, ids);
   const Eigen::Vector2d eye = nodes_.back().eye_base;
   std::vector<Candidate> candidates;
   for (const QuadTree::Entry& entry : near) {

@@ -64,6 +64,8 @@ class LoopDetector {
   /// Ids must come in order: 0, 1, 2, ...
   void add_node(NodeId id, const Pose2& T_map_base, const Scan& scan, const SensorInfo& sensor);
   void set_pose(NodeId id, const Pose2& T_map_base);
+  /// Whether the robot has come far enough since the last place that was recognised or looked at.
+  bool wants_to_look() const { return !nodes_.empty() && way_m_.back() - last_look_m_ >= config_.cooldown_m; }
   /// Looks for loops of the newest node. @param edges the graph as it is now.
   std::vector<LoopProposal> detect(const std::vector<const GraphEdge*>& edges);
   void clear();

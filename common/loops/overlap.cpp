@@ -23,28 +23,24 @@ constexpr double kMaxSigma_m = 0.05, kMinShare = 0.01;  // of a direction that c
 /// The surfaces of one scan in its robot frame, found by projection into its beams.
 class ScanView : public SurfaceSource {
  public:
-  explicit ScanView(const Keyframe& node) : eye_(node.eye_base) {
-    std::vector<std::pair<double, const OrientedPoint*>> sorted;
-    for (const OrientedPoint& point : node.points_base)
-      if (point.has_normal()) sorted.emplace_back(bearing_of(point.p - eye_), &point);
-    std::sort(sorted.begin(), sorted.end());
-    for (const auto& [bearing_rad, point] : sorted) {
-      bearings_rad_.push_back(bearing_rad);
-      points_.push_back(point);
-    }
+  explicit ScanView(Keyframe node) : eye_(node.eye_base), points_(std::move(node.points_base)) {
+    points_.erase(std::remove_if(points_.begin(), points_.end(), [](const OrientedPoint& point) { return !point.has_normal(); }),
+                  points_.end());
+    std::sort(points_.begin(), points_.end(),
+              [this](const OrientedPoint& a, const OrientedPoint& b) { return bearing_of(a.p) < bearing_of(b.p); });
+    for (const OrientedPoint& point : points_) bearings_rad_.push_back(static_cast<float>(bearing_of(point.p)));
   }
 
   bool nearest_surface(const Eigen::Vector2d& p, const Eigen::Vector2d& n, double gate_m, double min_cosine, Surface& out) const override {
-    const Eigen::Vector2d d = p - eye_;
-    const double bearing_rad = bearing_of(d), half_rad = std::min(1.0, gate_m / std::max(d.norm(), gate_m));
+    const double bearing_rad = bearing_of(p), half_rad = std::min(1.0, gate_m / std::max((p - eye_).norm(), gate_m));
     const OrientedPoint* nearest = nullptr;
     double best_d2 = gate_m * gate_m;
     const auto first = std::lower_bound(bearings_rad_.begin(), bearings_rad_.end(), bearing_rad - half_rad);
     for (auto k = static_cast<std::size_t>(first - bearings_rad_.begin()); k < points_.size() && bearings_rad_[k] < bearing_rad + half_rad; ++k) {
-      const double d2 = (points_[k]->p - p).squaredNorm();
-      if (d2 >= best_d2 || points_[k]->n.dot(n) < min_cosine) continue;
+      const double d2 = (points_[k].p - p).squaredNorm();
+      if (d2 >= best_d2 || points_[k].n.dot(n) < min_cosine) continue;
       best_d2 = d2;
-      nearest = points_[k];
+      nearest = &points_[k];
     }
     if (nearest) out = {nearest->p, nearest->n, nearest->var_m2, nearest->var_normal_rad2, 1};
     return nearest != nullptr;
@@ -54,16 +50,16 @@ class ScanView : public SurfaceSource {
   std::vector<OrientedPoint> some_points() const {
     std::vector<OrientedPoint> some;
     const std::size_t step = std::max<std::size_t>(1, points_.size() / kPoints);
-    for (std::size_t k = 0; k < points_.size(); k += step) some.push_back(*points_[k]);
+    for (std::size_t k = 0; k < points_.size(); k += step) some.push_back(points_[k]);
     return some;
   }
 
  private:
-  static double bearing_of(const Eigen::Vector2d& d) { return std::atan2(d.y(), d.x()); }
+  double bearing_of(const Eigen::Vector2d& p) const { return std::atan2(p.y() - eye_.y(), p.x() - eye_.x()); }
 
   Eigen::Vector2d eye_;
-  std::vector<double> bearings_rad_;
-  std::vector<const OrientedPoint*> points_;
+  std::vector<OrientedPoint> points_;  ///< by bearing as the laser sees them
+  std::vector<float> bearings_rad_;
 };
 
 /// The pose of the later node as the earlier one sees it. @return whether their scans overlap enough to say.
@@ -94,13 +90,14 @@ std::vector<QuadTree::Entry> nearest_nodes(const QuadTree& tree, const Eigen::Ve
 
 }  // namespace
 
-std::vector<GraphEdge> measure_overlaps(const std::vector<Keyframe>& nodes) {
+std::vector<GraphEdge> measure_overlaps(std::vector<Keyframe> nodes) {
   QuadTree earlier;
   std::vector<ScanView> views;
+  views.reserve(nodes.size());
   std::vector<GraphEdge> edges;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const Pose2& T_map_to = nodes[k].T_map_base;
-    views.emplace_back(nodes[k]);
+    const Pose2 T_map_to = nodes[k].T_map_base;
+    views.emplace_back(std::move(nodes[k]));
     const std::vector<OrientedPoint> points = views.back().some_points();
     int found = 0;
     for (const QuadTree::Entry& entry : nearest_nodes(earlier, T_map_to.translation())) {

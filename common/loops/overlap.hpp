@@ -15,6 +15,6 @@ namespace modslam {
 
 /// @param nodes poses that are nearly right, points in the robot frame in the order of the beams.
 /// @return edges (kind kLoop, ids 0, 1, ...) from earlier to later nodes; information is 0 in directions nothing was seen of.
-std::vector<GraphEdge> measure_overlaps(const std::vector<Keyframe>& nodes);
+std::vector<GraphEdge> measure_overlaps(std::vector<Keyframe> nodes);
 
 }  // namespace modslam

@@ -35,6 +35,7 @@ class LoopDetectorModule : public Module {
   /// The edge to the newest node has come with the update: its place is known now.
   void look() {
     fresh_ = false;
+    if (!detector_.wants_to_look()) return;
     std::vector<const GraphEdge*> edges;
     const auto known = static_cast<NodeId>(mirror_.nodes().size());
     for (const auto& [id, edge] : mirror_.edges())

@@ -83,3 +83,10 @@ TEST_CASE("a node that no edge reaches has a huge covariance, one behind a blind
   REQUIRE(cov[1](0, 0) == Approx(100.0));
   REQUIRE(cov[2](0, 0) >= 1e6);
 }
+
+TEST_CASE("asked for some nodes only, the search gives the same for them as the search for all") {
+  PoseGraph graph = square_loop(40, 0.01, 3);
+  const RelativeCovariance all(graph.poses, pointers(graph), 5), some(graph.poses, pointers(graph), 5, {9, 31});
+  REQUIRE(all[9] == some[9]);
+  REQUIRE(all[31] == some[31]);
+}
