@@ -22,12 +22,14 @@ namespace modslam {
 struct LaunchConfig {
   static constexpr const char* kTable = "launch";
   std::string estimator = "graph_optimizer";
+  bool loops = true;
   bool semantics = true;
   bool viewer = true;
 
   void visit(ConfigVisitor& v) {
     v.choice("estimator", estimator, {"graph_optimizer", "odometry", "ground_truth"},
              "Who estimates the pose: the graph, or one of two yardsticks.");
+    v.flag("loops", loops, "Start the loop detector.");
     v.flag("semantics", semantics, "Start the semantic classifier.");
     v.flag("viewer", viewer, "Start the viewer (a web page on 127.0.0.1).");
   }

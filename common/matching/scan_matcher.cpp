@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/matching/weighted_match.hpp"
+
 namespace modslam {
 namespace {
 
@@ -35,7 +37,7 @@ std::vector<Eigen::Vector2d> thin_out(const std::vector<OrientedPoint>& points, 
 
 ScanMatch ScanMatcher::match(const Scan& scan, const SensorInfo& sensor, const Pose2& motion) {
   const std::vector<OrientedPoint> points =
-      orient(scan, sensor, {config_.sigma_range_m, 1e-3}, config_.range_limit_m, kPointSpacing_m);
+      orient(scan, sensor, {config_.sigma_range_m, 1e-3}, config_.range_limit_m, is_scan_to_scan() ? 0.0 : kPointSpacing_m);
   ScanMatch match;
   if (!started_) {
     started_ = true;
@@ -47,7 +49,8 @@ ScanMatch ScanMatcher::match(const Scan& scan, const SensorInfo& sensor, const P
   const Eigen::Matrix3d cov_motion = odometry_covariance(motion, odometry_model_);
   const Eigen::Matrix3d cov_guess = rotate(cov_motion, T_track_from.heading);
 
-  const Attempt best = best_attempt(points, sensor, motion, guess, cov_guess);
+  const Attempt best = is_scan_to_scan() ? scan_to_scan(points, sensor, std::abs(scan.radstep), guess, cov_guess)
+                                         : best_attempt(points, sensor, motion, guess, cov_guess);
   match.verdict = best.verdict;
   match.figures = best.figures;
   Eigen::Matrix3d information_map = Eigen::Matrix3d::Zero();
@@ -58,7 +61,7 @@ ScanMatch ScanMatcher::match(const Scan& scan, const SensorInfo& sensor, const P
     // hardly moves repeat it.
     const double share = std::clamp(std::hypot(motion.x, motion.y) / config_.keyframe_m +
                                         std::abs(motion.heading) / config_.keyframe_rad, 0.02, 1.0);
-    information_map = config_.information_scale / share * best.observed.information;
+    information_map = (is_scan_to_scan() ? 1.0 : config_.information_scale / share) * best.observed.information;
   }
   match.T_from_to = between(T_track_from, match.T_track_base);
   match.information = rotate(information_map, -T_track_from.heading);
@@ -121,6 +124,27 @@ ScanMatcher::Attempt ScanMatcher::refine_from(const std::vector<OrientedPoint>& 
   return attempt;
 }
 
+/// The only failures that the thesis's matcher knows: too few pairs, and no end.
+ScanMatcher::Attempt ScanMatcher::scan_to_scan(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, double radstep,
+                                               const Pose2& guess, const Eigen::Matrix3d& cov_guess) const {
+  const Keyframe& reference = keyframes_.back();
+  WeightedMatchOptions options;
+  options.noise = {config_.sigma_range_m, 1e-3};
+  options.radstep = radstep;
+  const WeightedMatchResult fit =
+      match_weighted(reference, points, sensor.T_base_laser.translation(), between(reference.T_map_base, guess),
+                     rotate(cov_guess, -reference.T_map_base.heading), options);
+  Attempt attempt;
+  attempt.fit.T_map_base = reference.T_map_base * fit.T_reference_base;
+  attempt.observed.information = rotate(fit.information, reference.T_map_base.heading);
+  attempt.figures.overlap = fit.overlap;
+  attempt.figures.chi2 = fit.chi2;
+  attempt.figures.points = fit.pairs;
+  attempt.figures.iterations = fit.iterations;
+  attempt.verdict = fit.converged ? Verdict::kOk : Verdict::kFailed;
+  return attempt;
+}
+
 Verdict ScanMatcher::judge(const Attempt& attempt) const {
   const MatchFigures& f = attempt.figures;
   if (f.points < 10 || !attempt.fit.converged) return Verdict::kFailed;
@@ -148,6 +172,10 @@ double ScanMatcher::free_violation(const std::vector<OrientedPoint>& points, con
 
 void ScanMatcher::update_submap(const std::vector<OrientedPoint>& points, const SensorInfo& sensor,
                                 const ScanMatch& match) {
+  if (is_scan_to_scan()) {
+    keyframes_.assign(1, {match.T_track_base, points, sensor.T_base_laser.translation()});
+    return;
+  }
   const bool lost = failures_ >= kFailuresBeforeRestart;
   if (!keyframes_.empty() && !lost) {
     if (!is_usable(match.verdict)) return;

@@ -3,9 +3,11 @@
 ///
 /// One scan: predict by odometry; correlative search in a window as wide as the odometry may be wrong; point-to-line refinement;
 /// judge (overlap, residuals, free space, degeneracy, odometry). A doubtful answer is searched again widely; what stays
-/// doubtful is reported as such and replaced by odometry with its wide covariance.
+/// doubtful is reported as such and replaced by odometry with its wide covariance. Method "pfister" is the thesis's matcher instead: each
+/// scan against the one before, with the covariance that its paper gives it.
 #pragma once
 #include <deque>
+#include <string>
 
 #include "common/config/visitor.hpp"
 #include "common/matching/submap.hpp"
@@ -16,6 +18,7 @@ namespace modslam {
 
 struct ScanMatcherConfig {
   static constexpr const char* kTable = "scan_matcher";
+  std::string method = "submap";
   double sigma_range_m = 0.012;
   double range_limit_m = 40.0;
   double keyframe_m = 0.25;
@@ -29,6 +32,7 @@ struct ScanMatcherConfig {
   double information_scale = 0.15;
 
   void visit(ConfigVisitor& v) {
+    v.choice("method", method, {"submap", "pfister"}, "Against a local map with an honest verdict, or scan to scan as the thesis did.");
     v.number("sigma_range_m", sigma_range_m, 1e-4, 0.2, "m", "Range noise of the laser.");
     v.number("range_limit_m", range_limit_m, 1, 200, "m", "Longer beams are not matched.");
     v.number("keyframe_m", keyframe_m, 0.02, 5, "m", "Distance after which a scan joins the local map.");
@@ -72,6 +76,9 @@ class ScanMatcher {
                        const Eigen::Matrix3d& cov_guess) const;
   Attempt refine_from(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const Pose2& start, const Pose2& guess,
                       const Eigen::Matrix3d& cov_guess) const;
+  Attempt scan_to_scan(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, double radstep, const Pose2& guess,
+                       const Eigen::Matrix3d& cov_guess) const;
+  bool is_scan_to_scan() const { return config_.method == "pfister"; }
   Verdict judge(const Attempt& attempt) const;
   double free_violation(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const Pose2& T) const;
   void update_submap(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const ScanMatch& match);

@@ -2,6 +2,7 @@
 #include "common/motion/proposal.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -30,6 +31,15 @@ Proposal fuse(const std::vector<MotionMeasurement>& measurements) {
   const Eigen::Matrix3d covariance = sum.inverse();
   const Eigen::Vector3d mean = reference + covariance * weighted;
   return {{mean[0], mean[1], wrap_angle(mean[2])}, covariance};
+}
+
+Eigen::Matrix3d information_where_better(const Eigen::Matrix3d& information, const Eigen::Matrix3d& other) {
+  // In coordinates in which `information` is the unit matrix the other one has principal directions of its own.
+  const Eigen::Matrix3d L = information.llt().matrixL(), L_inverse = L.inverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> other_share(L_inverse * other * L_inverse.transpose());
+  const Eigen::Vector3d keep = (other_share.eigenvalues().array() < 1.0).cast<double>();
+  const Eigen::Matrix3d V = L * other_share.eigenvectors();
+  return V * keep.asDiagonal() * V.transpose();
 }
 
 Pose2 sample(const Proposal& proposal, std::mt19937_64& random) {

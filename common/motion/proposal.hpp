@@ -26,6 +26,10 @@ struct Proposal {
 Proposal fuse(const std::vector<MotionMeasurement>& measurements);
 
 /// A draw from the fused Gaussian (probabilistic proposal); own Box-Muller, the same on every machine.
+/// The part of `information` (positive definite) in the directions that `other` (may be singular) knows less of. For a source whose errors
+/// are systematic: an odometer that is a little wrong the same way at every step must not be averaged with one that is not.
+Eigen::Matrix3d information_where_better(const Eigen::Matrix3d& information, const Eigen::Matrix3d& other);
+
 Pose2 sample(const Proposal& proposal, std::mt19937_64& random);
 
 }  // namespace modslam

@@ -86,7 +86,9 @@ class GraphOptimizerModule : public Module {
   void add_odometry(const Sources& now, std::vector<MotionMeasurement>& measurements) const {
     if (now.odometry && last_.odometry) {
       const Pose2 motion = between(last_.T_odom_base, now.T_odom_base);
-      measurements.push_back({motion, odometry_covariance(motion, model_).inverse()});
+      const Eigen::Matrix3d information = odometry_covariance(motion, model_).inverse();
+      const Eigen::Matrix3d laser = measurements.empty() ? Eigen::Matrix3d::Zero().eval() : measurements.front().information;
+      measurements.push_back({motion, information_where_better(information, laser)});
     }
     if (now.ins && last_.ins) {
       const double turn_rad = wrap_angle(now.T_ins_base.heading - last_.T_ins_base.heading);

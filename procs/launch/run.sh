@@ -52,7 +52,7 @@ estimator_process() { [[ $(setting launch.estimator) == graph_optimizer ]] && ec
 mapping_processes() {
   echo scan_matcher
   estimator_process
-  [[ $(estimator_process) == graph_optimizer ]] && echo loop_detector
+  [[ $(estimator_process) == graph_optimizer && $(setting launch.loops) == true ]] && echo loop_detector
   echo map_builder
   [[ $(setting launch.semantics) == true ]] && echo semantic_classifier
   [[ $(setting launch.viewer) == true ]] && echo viewer

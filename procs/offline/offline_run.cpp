@@ -73,7 +73,7 @@ class OfflineRun {
     host("scan_matcher", make_scan_matcher, config);
     if (config.launch.estimator == "graph_optimizer") {
       host("graph_optimizer", make_graph_optimizer, config);
-      host("loop_detector", make_loop_detector, config);
+      if (config.launch.loops) host("loop_detector", make_loop_detector, config);
     } else {
       host("yardstick", make_yardstick, config);
     }

@@ -59,3 +59,20 @@ TEST_CASE("odometry is trusted less the farther it went, and never perfectly") {
   REQUIRE(ins_information(0.5, model).topLeftCorner(2, 2).norm() == 0);
   REQUIRE(ins_information(0.5, model)(2, 2) > ins_information(1.0, model)(2, 2));
 }
+
+TEST_CASE("of a systematic source only the directions count that the other knows less of") {
+  const Eigen::Matrix3d odometry = Eigen::Vector3d(100, 100, 400).asDiagonal();
+  const Eigen::Matrix3d laser = Eigen::Vector3d(1e6, 0, 1e6).asDiagonal();
+  const Eigen::Matrix3d kept = information_where_better(odometry, laser);
+  REQUIRE((kept - Eigen::Matrix3d(Eigen::Vector3d(0, 100, 0).asDiagonal())).norm() < 1e-9);
+  REQUIRE((information_where_better(odometry, Eigen::Matrix3d::Zero()) - odometry).norm() < 1e-9);
+  REQUIRE(information_where_better(odometry, 2 * odometry).norm() < 1e-9);
+}
+
+TEST_CASE("a corridor's blind direction stays odometry's, however it lies to the robot") {
+  const Eigen::Vector3d blind = Eigen::Vector3d(std::cos(0.7), std::sin(0.7), 0);
+  const Eigen::Matrix3d odometry = Eigen::Vector3d(100, 100, 400).asDiagonal();
+  const Eigen::Matrix3d laser = 1e6 * (Eigen::Matrix3d::Identity() - blind * blind.transpose());
+  const Eigen::Matrix3d kept = information_where_better(odometry, laser), sum = kept + laser;
+  REQUIRE(1 / blind.dot(sum.inverse() * blind) == Approx(100).epsilon(0.01));
+}
