@@ -107,6 +107,30 @@ double SparseOptimizer::linearize(const PoseGraph& graph, double dcs_phi, const 
   return cost;
 }
 
+void SparseOptimizer::prepare_marginals(const PoseGraph& graph, const EdgeWeights& weights) {
+  linearize(graph, 0.0, weights, 0.0);
+  H_.factorize(true);
+}
+
+Eigen::Matrix3d SparseOptimizer::marginal(const PoseGraph& graph, const GraphEdge& edge) const {
+  const Pose2 &from = graph.poses[static_cast<std::size_t>(edge.from)], &to = graph.poses[static_cast<std::size_t>(edge.to)];
+  const Eigen::Vector2d d = to.translation() - from.translation();
+  Eigen::Matrix3d B = Eigen::Matrix3d::Identity(), C = Eigen::Matrix3d::Identity();  // as in linearize()
+  B.topLeftCorner<2, 2>() = rotation(from.heading + edge.T_from_to.heading).transpose();
+  C(0, 2) = -d.y(), C(1, 2) = d.x();
+  const Eigen::Matrix3d A = -B * C;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(pattern_.variables()));
+    if (edge.from > 0) b.segment<3>(3 * (edge.from - 1)) += A.row(axis).transpose();
+    if (edge.to > 0) b.segment<3>(3 * (edge.to - 1)) += B.row(axis).transpose();
+    const Eigen::VectorXd x = H_.solve(b);
+    if (edge.from > 0) covariance.col(axis) += A * x.segment<3>(3 * (edge.from - 1));
+    if (edge.to > 0) covariance.col(axis) += B * x.segment<3>(3 * (edge.to - 1));
+  }
+  return 0.5 * (covariance + covariance.transpose());
+}
+
 OptimizeResult SparseOptimizer::optimize(PoseGraph& graph, const OptimizeOptions& options, const EdgeWeights& weights) {
   OptimizeResult result;
   if (graph.poses.size() < 2 || graph.edges.empty()) return result;

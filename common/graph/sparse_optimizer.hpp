@@ -27,6 +27,12 @@ class SparseOptimizer {
   /// and Pajdla, CVPR 2007). Usually in the basin of the global optimum. Nodes that no edge of positive weight holds stay.
   void initialize_chordal(PoseGraph& graph, const EdgeWeights& weights = {});
 
+  /// Factorises the information at the present poses; marginal() speaks of these.
+  void prepare_marginals(const PoseGraph& graph, const EdgeWeights& weights = {});
+  /// Covariance of what the graph predicts for a measurement between two nodes, as the error of `edge` sees it (frame of the measured
+  /// node, order x y heading). Exact for the linearised graph; two sweeps through the factor for each of three columns.
+  Eigen::Matrix3d marginal(const PoseGraph& graph, const GraphEdge& edge) const;
+
   const BlockPattern& pattern() const { return pattern_; }
   /// Entry of the factor that edge k touches; -1 when one of its ends is node 0.
   int entry(std::size_t k) const { return entries_[k]; }
