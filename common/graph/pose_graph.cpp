@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
 #include "common/graph/sparse_optimizer.hpp"
 
 namespace modslam {
@@ -33,6 +35,18 @@ void initialize_from_tree(PoseGraph& graph) {
       placed[other] = true;
       queue.push_back(other);
     }
+  }
+}
+
+void initialize_from_odometry(PoseGraph& graph) {
+  initialize_from_tree(graph);
+  std::vector<const GraphEdge*> step_to(graph.poses.size(), nullptr);
+  for (const GraphEdge& edge : graph.edges)
+    if (edge.kind == EdgeKind::kSequence) step_to[static_cast<std::size_t>(std::max(edge.from, edge.to))] = &edge;
+  for (std::size_t k = 1; k < graph.poses.size(); ++k) {
+    if (!step_to[k]) continue;
+    const Pose2& T = step_to[k]->T_from_to;
+    graph.poses[k] = graph.poses[k - 1] * (step_to[k]->from < step_to[k]->to ? T : T.inverse());
   }
 }
 
