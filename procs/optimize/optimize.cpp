@@ -23,7 +23,7 @@ double cpu_ms(Work&& work) {
 }
 
 void optimize_plainly(PoseGraph& graph, const OptimizeRequest& request, OptimizeReport& report) {
-  const OptimizeOptions options{request.method == "toro" ? request.sweeps : 200, 1e-9, 0.0};
+  const OptimizeOptions options{request.method == "toro" ? request.sweeps : 200, 1e-7, 0.0};
   SparseOptimizer optimizer(graph);
   if (request.init == "chordal") optimizer.initialize_chordal(graph);
   if (request.init == "tree") initialize_from_tree(graph);
