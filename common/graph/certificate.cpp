@@ -15,10 +15,11 @@ using Block = Eigen::Matrix2cd;  // rows and columns: heading, position of a nod
 using Vector = Eigen::VectorXcd;
 constexpr double kRelativeGap = 1e-6;
 constexpr int kLanczosSteps = 40;
+constexpr double kShareOfTurn = 0.8;
 
 Complex complex(const Eigen::Vector2d& v) { return {v.x(), v.y()}; }
 
-/// The largest diag(along, along, turn) that an edge's information contains, up to a factor where it couples places with turns.
+/// A large diag(along, along, turn) that an edge's information contains.
 struct Isotropic {
   double along = 0, turn = 0;
 
@@ -28,9 +29,13 @@ struct Isotropic {
     Eigen::Matrix2d rest = P;
     turn = information(2, 2);
     if (c.norm() > 1e-9 * std::sqrt(P.trace() * turn)) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> whole(information, Eigen::EigenvaluesOnly);
-      // Half of the smallest eigenvalue for the turn leaves a definite rest for the position.
-      turn = std::max(0.5 * whole.eigenvalues()[0], 0.0);
+      // What the edge says of the turn alone is shared: a part goes to the turn, the rest to the position.
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(P);
+      const Eigen::Vector2d along_axes = eigen.eigenvectors().transpose() * c;
+      double explained = 0;
+      for (int k = 0; k < 2; ++k)
+        if (eigen.eigenvalues()[k] > 1e-9 * P.trace()) explained += along_axes[k] * along_axes[k] / eigen.eigenvalues()[k];
+      turn = std::max(kShareOfTurn * (information(2, 2) - explained), 0.0);
       rest -= c * c.transpose() / (information(2, 2) - turn);
     }
     const double half = 0.5 * rest.trace();
