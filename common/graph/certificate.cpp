@@ -103,7 +103,7 @@ class Problem {
     Block block;
   };
   std::vector<Below> below_;
-  double value_ = 0, scale_ = 0;  // of the minorant at the poses; of the largest entry
+  double value_ = 0, scale_ = 0;  // sum of the multipliers and of what is constant; the largest entry
 };
 
 std::vector<BlockPattern::Link> Problem::links_of(const PoseGraph& graph) {
@@ -125,7 +125,7 @@ Problem::Problem(const PoseGraph& graph)
     const Eigen::Vector2cd yi = q.from_from * xi + q.from_to * xj, yj = q.to_to * xj + q.from_to.adjoint() * xi;
     Qx[i] += yi[0];
     Qx[j] += yj[0];
-    value_ += q.constant + (xi.dot(yi) + xj.dot(yj)).real();
+    value_ += q.constant;
     // Position 0 is nobody's choice: moving all poses together changes nothing.
     if (i == 0) q.from_to.row(1).setZero();
     if (j == 0) q.from_to.col(1).setZero();
@@ -138,7 +138,9 @@ Problem::Problem(const PoseGraph& graph)
   diagonal_[0](1, 1) = 1;
   for (std::size_t k = 0; k < diagonal_.size(); ++k) {
     scale_ = std::max(scale_, std::abs(diagonal_[k](0, 0)));
-    diagonal_[k](0, 0) -= (std::conj(r(k)) * Qx[k]).real();
+    const double multiplier = (std::conj(r(k)) * Qx[k]).real();
+    diagonal_[k](0, 0) -= multiplier;
+    value_ += multiplier;
   }
 }
 

@@ -3,8 +3,8 @@
 ///
 /// Idea (SE-Sync: Rosen, Carlone, Bandeira, Leonard, IJRR 2019): with headings as complex numbers r of length 1 and positions t, a cost
 /// x* Q x in x = (r, t) has at x the multipliers L_i = Re(conj(r_i) (Q x)_i), and for every other y with |r_i| = 1
-///     y* Q y = x* Q x + y* (Q - L) y.
-/// If Q - L + d I has a Cholesky factor, nothing lies lower than x* Q x - n d.
+///     y* Q y = sum L_i + y* (Q - L) y,   sum L_i = x* Q x where the positions of x are the best for its headings.
+/// If Q - L + d I has a Cholesky factor, nothing lies lower than sum L_i - n d.
 ///
 /// Their cost wants equal information along x and y and measures a turn by its chord. Ours is chi2 as g2o defines it, so Q is here a
 /// cost that lies nowhere above chi2 and touches it at the given poses: what an edge's information has beyond its smallest value

@@ -37,6 +37,14 @@ bool is_refused(const OptimizeReport& report, std::size_t edge) {
   return std::binary_search(report.robust.refused.begin(), report.robust.refused.end(), edge);
 }
 
+/// The proof wants the minimum to more digits than anybody else.
+void polish(PoseGraph& graph, const OptimizeRequest& request, const OptimizeReport& report) {
+  if (request.method == "toro") return;
+  EdgeWeights weights(graph.edges.size(), 1.0);
+  for (const std::size_t k : report.robust.refused) weights[k] = 0;
+  SparseOptimizer(graph).optimize(graph, {20, 1e-13, 0.0}, weights);
+}
+
 std::size_t loops_in(const PoseGraph& graph) {
   return static_cast<std::size_t>(
       std::count_if(graph.edges.begin(), graph.edges.end(), [](const GraphEdge& edge) { return edge.kind == EdgeKind::kLoop; }));
@@ -54,13 +62,14 @@ OptimizeReport optimize_file(GraphFile& file, const OptimizeRequest& request) {
     report.robust = optimize_robustly(graph, RobustOptions());
     report.iterations = report.robust.rounds;
   });
+  report.certificate_cpu_ms = cpu_ms([&] { polish(graph, request, report); });
   const Pose2 T_map_graph = T_map_fixed * graph.poses[file.fixed].inverse();
   for (Pose2& pose : graph.poses) pose = T_map_graph * pose;
   graph.poses[file.fixed] = T_map_fixed;
   const PoseGraph believed = without_refused(file, report).graph;
   report.chi2_after = graph_chi2(believed);
   report.chi2_all = graph_chi2(graph);
-  report.certificate_cpu_ms = cpu_ms([&] { report.certificate = certify(believed); });
+  report.certificate_cpu_ms += cpu_ms([&] { report.certificate = certify(believed); });
   return report;
 }
 

@@ -77,6 +77,20 @@ TEST_CASE("the lower bound lies below chi2 of every arrangement, wherever it is 
   }
 }
 
+// A bound from the cost of the poses instead of the multipliers once called an answer of TORO optimal.
+TEST_CASE("nothing is proven of right headings with wrong positions") {
+  PoseGraph graph = swept_field(8, 0.03, 475);
+  optimize_gauss_newton(graph, kToTheEnd);
+  const double best = graph_chi2(graph);
+  for (const double share : {1e-4, 1e-3, 0.01, 0.1}) {
+    PoseGraph stretched = graph;
+    for (Pose2& pose : stretched.poses) pose.x *= 1 + share, pose.y *= 1 - share;
+    const Certificate certificate = certify(stretched);
+    REQUIRE(certificate.lower_bound <= best * (1 + 1e-9));
+    if (certificate.is_optimal) REQUIRE(certificate.chi2 < best * (1 + 2e-6));
+  }
+}
+
 TEST_CASE("poses that are turned and moved as a whole keep their proof") {
   PoseGraph graph = swept_field(6, 0.05, 481);
   optimize_gauss_newton(graph, kToTheEnd);
