@@ -12,6 +12,7 @@ CONFIG=$HOUSE/config/modslam.toml
 source procs/launch/setup.sh    # packages and build
 source procs/launch/network.sh  # port, multicast route
 source procs/launch/run.sh      # one run: folder, processes under supervisor, results
+source procs/launch/bench.sh    # bench NAME
 
 help() {
   cat <<'TXT'
@@ -26,6 +27,9 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
                                               CARMEN .log/.clf (.gz, .xz) or MRPT .rawlog to an LCM log
   ./run.sh simulate OUT.lcm [--set T.K=V]...  a simulated log without the network
   ./run.sh evaluate ...                       scores: --relations, --truth, --semantic (evaluate --help)
+  ./run.sh optimize FILE.g2o [--robust] [--method toro] [--out OUT.g2o] [--json OUT.json]
+                                              a pose graph to its optimum, with a proof where there is one
+  ./run.sh bench graph [FOLDER]               chi2 and time beside Ceres and others; writes docs/benchmarks.md
   ./run.sh report DIR                         make the results in a run's folder from its run.lcm again
   ./run.sh record OUT.lcm                     lcm-logger on the run that is going on, until Ctrl-C
   ./run.sh spy                                lcm-spy with our message types
@@ -86,6 +90,7 @@ simulate() {
   parse_options simulate "$@"
   exec "$BIN/modslam-simulate" "$(here "$log")" --config "$CONFIG" "${OVERRIDES[@]}"
 }
+optimize() { cd "$CALLER"; exec "$BIN/modslam-optimize" "$@"; }
 evaluate() { cd "$CALLER"; exec "$BIN/modslam-evaluate" "$@"; }
 report() { make_results "$(here "${1:?report: which folder?}")"; }
 record() { attach; exec lcm-logger "$(here "${1:?record: which file?}")"; }
@@ -102,7 +107,8 @@ main() {
     stop) stop ;;
     build) ensure_built all ;;
     test) ensure_built all; run_tests "$@" ;;
-    demo | live | replay | offline | simulate | evaluate | report | record | spy | view | status) ensure_built programs; "$verb" "$@" ;;
+    bench) bench "$@" ;;
+    demo | live | replay | offline | simulate | evaluate | optimize | report | record | spy | view | status) ensure_built programs; "$verb" "$@" ;;
     import) ensure_built programs; import_log "$@" ;;
     *) echo "run.sh: '$verb' is no verb" >&2; help >&2; exit 2 ;;
   esac

@@ -40,14 +40,16 @@ struct OptimizeOptions {
 struct OptimizeResult {
   double chi2_before = 0, chi2_after = 0;
   int iterations = 0;
-  bool solved = true;  ///< false: the linear system was singular; poses are as they were
 };
 
-/// Sparse Gauss-Newton from the present poses, with step halving when the error grows.
+/// Sparse Gauss-Newton from the present poses, see SparseOptimizer.
 OptimizeResult optimize_gauss_newton(PoseGraph& graph, const OptimizeOptions& options);
 
 /// Poses from node 0 along a breadth-first spanning tree of the edges.
 void initialize_from_tree(PoseGraph& graph);
+
+/// Poses along the sequence edges, which lead from each node to the next; a node without one stands where the tree has it.
+void initialize_from_odometry(PoseGraph& graph);
 
 /// Stochastic descent in the tree parametrisation (Grisetti et al., RSS 2007), from the formulas of the paper.
 OptimizeResult optimize_toro(PoseGraph& graph, const OptimizeOptions& options);

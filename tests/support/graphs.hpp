@@ -39,4 +39,30 @@ inline PoseGraph square_loop(int nodes, double sigma_m, std::uint64_t seed) {
   return graph;
 }
 
+/// A robot that has swept a field of `side` x `side` places 1 m apart, lane after lane, and sees the neighbour in the lane before from
+/// each place: many loops. All edges have noise of `sigma` (m, rad); poses as odometry has them.
+inline PoseGraph swept_field(int side, double sigma, std::uint64_t seed, std::vector<Pose2>* truth = nullptr) {
+  RandomStream random(seed, RandomStreamId::kOdometry);
+  std::vector<Pose2> T_map;
+  for (int lane = 0; lane < side; ++lane)
+    for (int k = 0; k < side; ++k) T_map.push_back({lane % 2 ? side - 1.0 - k : k, double(lane), lane % 2 ? kPi : 0.0});
+  PoseGraph graph;
+  const auto add = [&](NodeId from, NodeId to, EdgeKind kind) {
+    const Pose2 T = between(T_map[static_cast<std::size_t>(from)], T_map[static_cast<std::size_t>(to)]);
+    graph.edges.push_back(edge(from, to, T * Pose2(sigma * random.normal(), sigma * random.normal(), sigma * random.normal()), kind));
+    graph.edges.back().information = Eigen::Matrix3d::Identity() / (sigma * sigma);
+    graph.edges.back().id = static_cast<EdgeId>(graph.edges.size()) - 1;
+  };
+  const auto n = static_cast<NodeId>(T_map.size());
+  for (NodeId k = 0; k + 1 < n; ++k) add(k, k + 1, EdgeKind::kSequence);
+  for (NodeId k = side; k < n; ++k) {
+    const NodeId lane = k / side, before = lane * side - 1 - k % side;
+    if (before + 1 < k) add(before, k, EdgeKind::kLoop);
+  }
+  graph.poses.resize(T_map.size());
+  initialize_from_odometry(graph);
+  if (truth) *truth = T_map;
+  return graph;
+}
+
 }  // namespace modslam::test

@@ -11,7 +11,7 @@ TEST_CASE("a chain without loops is already at its optimum") {
   graph.poses = {{}, {1, 0, 0}, {1, 1, kPi / 2}};
   graph.edges = {edge(0, 1, {1, 0, 0}), edge(1, 2, {0, 1, kPi / 2})};
   const OptimizeResult result = optimize_gauss_newton(graph, {});
-  REQUIRE(result.solved);
+  REQUIRE(result.iterations == 1);
   REQUIRE(result.chi2_after == Approx(0.0).margin(1e-12));
   REQUIRE_THAT(graph.poses[2], IsNear({1, 1, kPi / 2}, 1e-9, 1e-9));
 }
@@ -103,10 +103,10 @@ TEST_CASE("a node that no edge holds stays where it is") {
 
 TEST_CASE("empty graphs and single nodes are left alone") {
   PoseGraph graph;
-  REQUIRE(optimize_gauss_newton(graph, {}).solved);
+  REQUIRE(optimize_gauss_newton(graph, {}).iterations == 0);
   graph.poses.emplace_back(1, 2, 3);
-  REQUIRE(optimize_gauss_newton(graph, {}).solved);
-  REQUIRE(optimize_toro(graph, {}).solved);
+  REQUIRE(optimize_gauss_newton(graph, {}).iterations == 0);
+  REQUIRE(optimize_toro(graph, {}).iterations == 0);
   REQUIRE_THAT(graph.poses[0], IsNear({1, 2, 3}, 0, 0));
 }
 

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Sourced by run.sh: benchmarks. Each bench_NAME below writes logs/bench/NAME.json and its section of docs/benchmarks.md.
+
+bench() {
+  local name=${1:-}
+  [[ -n $name ]] && declare -F "bench_$name" >/dev/null || die "bench: which one? $(declare -F | sed -n 's/^declare -f bench_/ /p' | tr -d '\n')"
+  shift
+  install_packages config/debian-packages.txt config/debian-packages-bench.txt
+  ensure_built programs
+  mkdir -p logs/bench
+  "bench_$name" "$@"
+}
+
+# $1: target. Configures again when the packages of benchmarks came after the first time.
+build_bench() {
+  ninja -C "$BUILD" -t query "$1" >/dev/null 2>&1 || cmake "$BUILD" >"$BUILD/configure.log" 2>&1 || die "cmake failed: $BUILD/configure.log"
+  ninja -C "$BUILD" "$1" >"$BUILD/build.log" 2>&1 || { tail -40 "$BUILD/build.log" >&2; die "the build failed: $BUILD/build.log"; }
+}
+
+# $1: name, $2: file with the text. What it was measured with goes in front.
+write_section() {
+  {
+    echo "Commit $(git rev-parse --short HEAD 2>/dev/null || echo unknown), $(nproc) cores of $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1)."
+    echo
+    cat "$2"
+  } | python3 tests/bench/write_section.py docs/benchmarks.md "bench $1"
+}
+
+# [FOLDER] of g2o files. Sections are written for the default folder only.
+bench_graph() {
+  local default=${MODSLAM_SHARED:-$HOUSE/../shared}/data/graphs
+  local folder=$default
+  [[ -z ${1:-} ]] || folder=$(here "$1")
+  [[ -d $folder ]] || { echo "bench graph: skipped, there is no folder $folder; name one with g2o files: ./run.sh bench graph FOLDER"; return 0; }
+  build_bench graph-bench
+  "$BIN/graph-bench" "$folder" --json logs/bench/graph.json --markdown logs/bench/graph.md
+  echo "Written: logs/bench/graph.json, logs/bench/graph.md"
+  [[ $folder != "$default" ]] || write_section graph logs/bench/graph.md
+}
