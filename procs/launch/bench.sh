@@ -1,9 +1,10 @@
+# shellcheck shell=bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Sourced by run.sh: benchmarks. Each bench_NAME below writes logs/bench/NAME.json and its section of docs/benchmarks.md.
 
 bench() {
   local name=${1:-}
-  [[ -n $name ]] && declare -F "bench_$name" >/dev/null || die "bench: which one? $(declare -F | sed -n 's/^declare -f bench_/ /p' | tr -d '\n')"
+  declare -F "bench_$name" >/dev/null || die "bench: which one? $(declare -F | sed -n 's/^declare -f bench_/ /p' | tr -d '\n')"
   shift
   install_packages config/debian-packages.txt config/debian-packages-bench.txt
   ensure_built programs
@@ -13,8 +14,8 @@ bench() {
 
 # $1: target. Configures again when the packages of benchmarks came after the first time.
 build_bench() {
-  ninja -C "$BUILD" -t query "$1" >/dev/null 2>&1 || cmake "$BUILD" >"$BUILD/configure.log" 2>&1 || die "cmake failed: $BUILD/configure.log"
-  ninja -C "$BUILD" "$1" >"$BUILD/build.log" 2>&1 || { tail -40 "$BUILD/build.log" >&2; die "the build failed: $BUILD/build.log"; }
+  ninja -C "$BUILD" -t query "$1" >/dev/null 2>&1 || quietly "$BUILD/configure.log" cmake "$BUILD"
+  run_ninja "$1"
 }
 
 # $1: name, $2: file with the text. What it was measured with goes in front.
