@@ -16,7 +16,7 @@ constexpr int kDampAfter = 10;                            // iterations; then fl
 struct Normal {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero(), S = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
-  Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2d normals = Eigen::Matrix2d::Zero(), normals_seen = normals, normals_matched = normals;
   double chi2 = 0;
   int pairs = 0, near = 0, candidates = 0;
 };
@@ -31,6 +31,7 @@ Normal accumulate(const std::vector<OrientedPoint>& points, const SurfaceSource&
     if (!point.has_normal()) continue;
     ++sum.candidates;
     const Eigen::Vector2d Rp = R * point.p, p = Rp + T.translation(), n_point = R * point.n;
+    if (last) sum.normals_seen += n_point * n_point.transpose();
     Surface surface;
     if (!map.nearest_surface(p, n_point, gate_m, kMinCosine, surface)) continue;
     const double e = surface.n.dot(surface.p - p);
@@ -46,6 +47,7 @@ Normal accumulate(const std::vector<OrientedPoint>& points, const SurfaceSource&
     if (last) {
       sum.chi2 += e * e / v;
       sum.normals += surface.n * surface.n.transpose();
+      if (std::abs(e) < 0.5 * options.gate_end_m) sum.normals_matched += n_point * n_point.transpose();
       const Eigen::Vector2d t(-surface.n.y(), surface.n.x());
       const Eigen::Vector3d b(-t.x(), -t.y(), t.x() * Rp.y() - t.y() * Rp.x());
       sum.S += weight * (double{point.var_normal_rad2} / std::max(1, surface.count) + surface.var_normal_rad2) * b * b.transpose();
@@ -85,6 +87,8 @@ RefineResult refine(const std::vector<OrientedPoint>& points, const SurfaceSourc
   result.chi2 = sum.pairs > 3 ? sum.chi2 / (sum.pairs - 3) : 0.0;
   result.spurious = sum.S;
   result.information = sum.H;
+  result.normals_seen = sum.normals_seen;
+  result.normals_matched = sum.normals_matched;
   const double half_trace = 0.5 * sum.normals.trace(),
                spread = std::hypot(0.5 * (sum.normals(0, 0) - sum.normals(1, 1)), sum.normals(0, 1));
   result.normal_ratio = half_trace + spread > 0 ? (half_trace - spread) / (half_trace + spread) : 0.0;

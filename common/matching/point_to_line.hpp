@@ -27,6 +27,8 @@ struct RefineResult {
   double chi2 = 0;       ///< reduced, without the robust weights, over the inliers
   double overlap = 0;    ///< share of the points with a normal that have a partner within gate_end_m
   double normal_ratio = 0;  ///< weaker over stronger second moment of the normals: 1 room, 0 corridor
+  Eigen::Matrix2d normals_seen = Eigen::Matrix2d::Zero();     ///< sum n n' over the scan's points, map frame
+  Eigen::Matrix2d normals_matched = Eigen::Matrix2d::Zero();  ///< and over those with a partner
   int pairs = 0;
   int iterations = 0;
   bool converged = false;

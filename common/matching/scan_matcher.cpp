@@ -101,6 +101,9 @@ ScanMatcher::Attempt ScanMatcher::refine_from(const std::vector<OrientedPoint>& 
   options.gate_start_m = 0.25;
   options.prior_information = cov_guess.inverse();
   attempt.fit = refine(points, submap_, start, options);
+  Eigen::Vector3d from_guess = attempt.fit.T_map_base.vector() - guess.vector();
+  from_guess[2] = wrap_angle(from_guess[2]);
+  attempt.figures.innovation = from_guess.dot(cov_guess.ldlt().solve(from_guess));
   attempt.observed = observed_information(attempt.fit);
   // Where the scan says nothing the guess stands, whatever the search happened to like there.
   Pose2& T = attempt.fit.T_map_base;
@@ -117,9 +120,6 @@ ScanMatcher::Attempt ScanMatcher::refine_from(const std::vector<OrientedPoint>& 
   figures.points = attempt.fit.pairs;
   figures.iterations = attempt.fit.iterations;
   figures.free_violation = free_violation(points, sensor, attempt.fit.T_map_base);
-  Eigen::Vector3d d = attempt.fit.T_map_base.vector() - guess.vector();
-  d[2] = wrap_angle(d[2]);
-  figures.innovation = d.dot(cov_guess.ldlt().solve(d));
   attempt.verdict = judge(attempt);
   return attempt;
 }

@@ -29,7 +29,7 @@ struct ScanMatcherConfig {
   double min_overlap = 0.45;
   double max_chi2 = 16.0;
   double max_free_violation = 0.15;
-  double information_scale = 0.15;
+  double information_scale = 0.6;
 
   void visit(ConfigVisitor& v) {
     v.choice("method", method, {"submap", "pfister"}, "Against a local map with an honest verdict, or scan to scan as the thesis did.");

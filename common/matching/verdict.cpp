@@ -20,6 +20,20 @@ const char* to_string(Verdict verdict) {
   return "invalid";
 }
 
+namespace {
+
+constexpr double kMinOverlapAlong = 0.6, kFewestPointsAlong = 6;
+
+/// Whether a translation was measured by few of the scan's surfaces that face along it, or by hardly any at all.
+bool hangs_on_chance(const RefineResult& fit, const Eigen::Vector3d& v) {
+  const Eigen::Vector2d t = v.head<2>();
+  if (t.norm() < 0.7) return false;  // a turn: all surfaces speak of it
+  const double matched = t.dot(fit.normals_matched * t), seen = t.dot(fit.normals_seen * t);
+  return matched < kFewestPointsAlong * t.squaredNorm() || matched < kMinOverlapAlong * seen;
+}
+
+}  // namespace
+
 Observed observed_information(const RefineResult& fit, double max_sigma_m, double min_share) {
   constexpr double kLever_m = 3.0;
   const Eigen::Vector3d scale(1, 1, 1 / kLever_m);
@@ -34,7 +48,7 @@ Observed observed_information(const RefineResult& fit, double max_sigma_m, doubl
     const double lambda = eigen.eigenvalues()[k], spurious = v.dot(S * v);
     const double honest = lambda - 2 * spurious;
     if (lambda < 5 * spurious || honest <= 0 || 1 / std::sqrt(honest) > max_sigma_m ||
-        lambda < min_share * eigen.eigenvalues()[2]) {
+        lambda < min_share * eigen.eigenvalues()[2] || hangs_on_chance(fit, v)) {
       if (!out.degenerate) out.degenerate_rad = std::atan2(v.y(), v.x());
       out.degenerate = true;
       out.unobserved += D * v * v.transpose() * scale.cwiseInverse().asDiagonal();

@@ -42,7 +42,8 @@ struct Observed {
 
 /// Splits H - S into observed and unobserved directions; heading is scaled by 3 m so that units agree. A direction is unobserved when
 /// its information is not clearly above what noisy normals fake (5 S), its sigma exceeds `max_sigma_m`, or it is less than `min_share` of
-/// the best known direction's: then it hangs on a handful of points.
+/// the best known direction's: then it hangs on a handful of points. Nor is a translation observed when less than six tenths
+/// of the scan's surfaces that face along it have a partner: niches of another corridor fit by chance, but not most of them; and fewer than six points fix nothing.
 /// Source: Zhang, Kaess, Singh, ICRA 2016 (remapping); the correction by S is measured in docs/decisions.md.
 Observed observed_information(const RefineResult& fit, double max_sigma_m = 0.03, double min_share = 0.0);
 

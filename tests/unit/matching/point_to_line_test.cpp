@@ -118,6 +118,7 @@ TEST_CASE("no points or no map: not converged, no information, the guess stands"
 TEST_CASE("a direction known worse than 3 cm is unobserved; so is, where asked for, one that hangs on a handful of points") {
   RefineResult fit;
   fit.information = Eigen::Vector3d(3'000, 500'000, 3'000'000).asDiagonal();  // 1.8 cm along, 1.4 mm across
+  fit.normals_seen = fit.normals_matched = Eigen::Vector2d(10, 100).asDiagonal();
   REQUIRE_FALSE(observed_information(fit).degenerate);
   RefineResult vague = fit;
   vague.information(0, 0) = 500;  // 4.5 cm
@@ -127,4 +128,19 @@ TEST_CASE("a direction known worse than 3 cm is unobserved; so is, where asked f
   REQUIRE(std::abs(std::sin(strict.degenerate_rad)) < 1e-9);
   REQUIRE(strict.information(0, 0) == Approx(0.0).margin(1e-9));
   REQUIRE(strict.information(1, 1) == Approx(500'000));
+}
+
+TEST_CASE("a translation that few of the surfaces facing it agree on, or hardly any at all, is unobserved") {
+  RefineResult fit;
+  fit.information = Eigen::Vector3d(100'000, 500'000, 3'000'000).asDiagonal();
+  fit.normals_seen = Eigen::Vector2d(20, 100).asDiagonal();
+  fit.normals_matched = Eigen::Vector2d(15, 90).asDiagonal();
+  REQUIRE_FALSE(observed_information(fit).degenerate);
+  fit.normals_matched(0, 0) = 8;  // niches of another corridor: 8 of 20 fit by chance
+  const Observed chance = observed_information(fit);
+  REQUIRE(chance.degenerate);
+  REQUIRE(chance.information(0, 0) == Approx(0.0).margin(1e-9));
+  REQUIRE(chance.information(1, 1) == Approx(500'000));
+  fit.normals_seen(0, 0) = fit.normals_matched(0, 0) = 4;  // all of four points
+  REQUIRE(observed_information(fit).degenerate);
 }
