@@ -57,10 +57,23 @@ void Bus::publish_bytes(const std::string& channel, const void* bytes, int size)
   transport_.publish(channel, bytes, size);
 }
 
-void Bus::receive(const std::string& channel, const void* bytes, int size,
-                  const std::function<void()>& decode_and_handle) {
-  (void)bytes;
-  (void)size;
+void Bus::deliver(const std::string& channel, const void* bytes, int size) {
+  delivered_.emplace(channel, std::string(static_cast<const char*>(bytes), static_cast<std::size_t>(size)));
+  for (const auto& [name, handler] : handlers_)
+    if (name == channel) handler(channel, bytes, size);
+  --inputs_[channel].received;  // it did not come over the network
+}
+
+bool Bus::is_echo(const std::string& channel, const void* bytes, int size) {
+  if (delivered_.empty()) return false;
+  const auto found = delivered_.find({channel, std::string(static_cast<const char*>(bytes), static_cast<std::size_t>(size))});
+  if (found == delivered_.end()) return false;
+  delivered_.erase(found);
+  ++inputs_[channel].received;
+  return true;
+}
+
+void Bus::receive(const std::string& channel, const std::function<void()>& decode_and_handle) {
   ChannelCount& count = inputs_[channel];
   ++count.received;
   const auto refuse = [&](const std::string& why) {

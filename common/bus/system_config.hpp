@@ -3,6 +3,7 @@
 #pragma once
 #include <string>
 
+#include "common/bus/journal.hpp"
 #include "common/config/viewer.hpp"
 #include "common/config/visitor.hpp"
 #include "common/graph/estimator.hpp"
@@ -50,6 +51,7 @@ struct SystemConfig {
   MapBuilderConfig map_builder;
   SemanticsConfig semantics;
   RecorderConfig recorder;
+  JournalConfig journal;
   ViewerConfig viewer;
   SimulatorConfig simulator;
   LaserConfig laser;
@@ -67,6 +69,7 @@ struct SystemConfig {
     visit(map_builder);
     visit(semantics);
     visit(recorder);
+    visit(journal);
     visit(viewer);
     visit(simulator);
     visit(laser);

@@ -66,6 +66,8 @@ class LoopDetector {
   void set_pose(NodeId id, const Pose2& T_map_base);
   /// Looks for loops of the newest node. @param edges the graph as it is now.
   std::vector<LoopProposal> detect(const std::vector<const GraphEdge*>& edges);
+  /// An earlier life of this detector looked at the newest node already.
+  void resume_after_newest() { last_look_m_ = way_m_.back(); }
   void clear();
 
  private:

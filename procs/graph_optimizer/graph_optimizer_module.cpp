@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// procs/graph_optimizer — SCAN_MATCH + LASER + ODOMETRY + INS + LOOP (+ SYNC_REQUEST) → POSE, NODE, GRAPH.
+/// procs/graph_optimizer — SCAN_MATCH + LASER + ODOMETRY + INS + LOOP (+ SYNC_REQUEST) → POSE, NODE, GRAPH (+ SYNC_REQUEST for a LOOP that was lost).
 /// Config: [graph_optimizer], [odometry_model].
 #include <bot_core/planar_lidar_t.hpp>
 #include <Eigen/LU>
 #include <bot_core/pose_t.hpp>
 #include <deque>
 #include <modslam/scan_match_t.hpp>
+#include <modslam/sync_request_t.hpp>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/conversions.hpp"
@@ -22,7 +23,8 @@ constexpr std::size_t kScansKept = 400;  // that wait for their match
 class GraphOptimizerModule : public Module {
  public:
   GraphOptimizerModule(Bus& bus, const SystemConfig& config)
-      : bus_(bus), model_(config.odometry_model), session_(bus, config.graph_optimizer) {
+      : bus_(bus), model_(config.odometry_model), session_(bus, config.graph_optimizer, config.journal) {
+    if (session_.resumed()) resume();
     bus.subscribe<sensor_info_t>(channel::kSensorInfo, [this](const sensor_info_t& m) {
       if (m.sensor == channel::kLaser) sensor_ = to_sensor_info(m);
     });
@@ -39,6 +41,18 @@ class GraphOptimizerModule : public Module {
   void finish() override { session_.finish(); }
   void tick(std::int64_t) override { session_.tick(); }
   std::string words() const override { return session_.words(); }
+  void missed(const std::string& channel) override {
+    if (channel != channel::kLoop) return;
+    sync_request_t message{};
+    message.utime = bus_.utime();
+    message.requester = bus_.name();
+    bus_.publish(channel::kSyncRequest, message);
+  }
+  std::optional<Resumption> resumption() const override {
+    if (!session_.resumed()) return std::nullopt;
+    return Resumption{{channel::kScanMatch, channel::kLaser, channel::kOdometry, channel::kIns, channel::kSensorInfo, channel::kLoop},
+                      channel::kScanMatch, session_.state().utime, session_.resumed_from_us()};
+  }
 
  private:
   struct Sources {
@@ -46,18 +60,49 @@ class GraphOptimizerModule : public Module {
     bool odometry = false, ins = false;
   };
 
+  /// Where the life before stood, from its journal.
+  void resume() {
+    const estimator_state_t& state = session_.tracking();
+    if (const auto sensor = session_.sensor()) sensor_ = *sensor;
+    track_ = state.track;
+    seq_ = state.match_seq;
+    last_.T_track_base = to_pose(state.T_track_base);
+    last_.odometry = state.has_odometry != 0;
+    last_.T_odom_base = to_pose(state.T_odom_base);
+    last_.ins = state.has_ins != 0;
+    last_.T_ins_base = to_pose(state.T_ins_base);
+    any_ = started_in_track_ = true;
+  }
+
+  void remember(const scan_match_t& message, const Sources& now) {
+    estimator_state_t& state = session_.tracking();
+    state.track = track_ = message.track;
+    state.match_seq = seq_ = message.seq;
+    put(state.T_track_base, now.T_track_base);
+    state.has_odometry = now.odometry;
+    put(state.T_odom_base, now.T_odom_base);
+    state.has_ins = now.ins;
+    put(state.T_ins_base, now.T_ins_base);
+    last_ = now;
+    any_ = started_in_track_ = true;
+  }
+
   static void add(OdometryBuffer& buffer, const bot_core::pose_t& message) {
     const TimedPose pose = to_timed_pose(message);
     buffer.add(pose.utime, pose.pose);
   }
 
   void on_match(const scan_match_t& message) {
+    if (any_ && message.track == track_ && message.seq <= seq_) {  // said twice, or late: its motion is accounted for
+      ++repeated_;
+      return;
+    }
     const Pose2 T_track_base = to_pose(message.T_track_base);
     MotionMeasurement laser{to_pose(message.T_from_to), to_matrix(message.information)};
     const Scan scan = take_scan(message.utime);
     const Sources now = sources_at(message.utime, T_track_base);
 
-    if (message.track != track_ || message.seq < seq_) {
+    if (message.track != track_) {
       started_in_track_ = false;  // the matcher was restarted: only odometry spans the break
     } else if (message.seq > seq_ + 1) {
       // Matches were lost on the way; their motions are still in the matcher's own frame.
@@ -71,11 +116,8 @@ class GraphOptimizerModule : public Module {
       add_odometry(now, measurements);
       if (measurements.empty()) measurements.push_back({Pose2(), Eigen::Matrix3d::Identity()});
     }
+    remember(message, now);
     session_.step(scan, sensor_, measurements, static_cast<Verdict>(message.verdict));
-    track_ = message.track;
-    seq_ = message.seq;
-    last_ = now;
-    any_ = started_in_track_ = true;
   }
 
   void add_odometry(const Sources& now, std::vector<MotionMeasurement>& measurements) const {
@@ -122,7 +164,7 @@ class GraphOptimizerModule : public Module {
   OdometryBuffer odometry_, ins_;
   std::deque<Scan> scans_;
   Sources last_;
-  std::int64_t track_ = 0, seq_ = -1;
+  std::int64_t track_ = 0, seq_ = -1, repeated_ = 0;
   bool any_ = false, started_in_track_ = false;
 };
 

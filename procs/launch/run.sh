@@ -61,7 +61,7 @@ mapping_processes() {
 start_run() {
   local sources=$1
   ensure_multicast
-  rm -f "$OUT"/run.lcm
+  rm -rf "$OUT"/run.lcm "$OUT/journal"
   mkdir -p "$OUT/log"
   claim_bus_port
   export LCM_DEFAULT_URL; LCM_DEFAULT_URL=$(url_of_port "$PORT")
@@ -72,7 +72,7 @@ start_run() {
   SOCKET_DIR=$(mktemp -d "${TMPDIR:-/tmp}/modslam-XXXXXX")
   # The simulated world waits until everybody listens: it is started after the others.
   local first=(recorder) late=() name
-  OVERRIDES+=(--set "recorder.path=$OUT/run.lcm")
+  OVERRIDES+=(--set "recorder.path=$OUT/run.lcm" --set "journal.folder=$OUT/journal")
   for name in $sources; do [[ $name == simulator ]] && late+=("$name") || first+=("$name"); done
   for name in $(mapping_processes); do first+=("$name"); done
   write_supervisor_file "${first[*]}" "${late[*]:-}" >"$OUT/supervisor.conf"
@@ -102,6 +102,13 @@ file=$SOCKET_DIR/supervisor.sock
 serverurl=unix://$SOCKET_DIR/supervisor.sock
 [rpcinterface:supervisor]
 supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
+[eventlistener:watchdog]
+command="$BIN/modslam-watchdog"
+events=PROCESS_STATE
+buffer_size=100
+priority=1
+stdout_logfile=NONE
+stderr_logfile=$OUT/log/watchdog.log
 INI
   local name priority=10  # supervisor starts in this order and stops in the other
   for name in $1; do program "$name" $((priority++)) true "$(command_of "$name")"; done
@@ -172,8 +179,7 @@ end_run() {
       map_builder | semantic_classifier) order+=("$name") ;;
     esac
   done
-  wait_for "$BIN/modslam-conduct" --timeout 60 settle "${order[@]}" || echo "run.sh: not every process settled; the result may lack its last part" >&2
-  sleep 0.3  # the recorder writes what it has
+  wait_for "$BIN/modslam-conduct" --timeout 60 settle "${order[@]}" recorder || echo "run.sh: not every process settled; the result may lack its last part" >&2
   "$BIN/modslam-conduct" status >"$OUT/status.txt" 2>/dev/null || true
   stop_run
   ENDED=yes

@@ -222,5 +222,11 @@ def write_events(path, all_events):
     return path
 
 
+def duration_s(path):
+    """Sensor time of a log."""
+    times = [utime for utime, _, _ in events(path)]
+    return 1e-6 * (max(times) - min(times))
+
+
 def count(path, channel):
     return sum(1 for _, name, _ in events(path) if name == channel)
