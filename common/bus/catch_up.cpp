@@ -13,7 +13,12 @@ namespace modslam {
 namespace {
 
 constexpr std::int64_t kBefore_us = 5'000'000;  // sources are needed from somewhat earlier than the last message that was handled
+constexpr int kSpeakEvery_ms = 200;
 constexpr std::size_t kTail = std::size_t{8} << 20;
+
+std::int64_t wall_clock_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
 
 /// Every message begins with its type's fingerprint and its time.
 std::int64_t utime_of(const LogEvent& event) {
@@ -65,14 +70,25 @@ std::vector<LogEvent> only_missed(std::vector<LogEvent> events, const Resumption
 
 }  // namespace
 
-Missed read_missed(const std::string& run_log, const Resumption& resumption, const std::string& name, int pid, int patience_ms) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
-  for (;;) {
+Missed read_missed(const std::string& run_log, const Resumption& resumption, const std::string& name, int pid, int patience_ms,
+                   const std::function<void()>& speak) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::int64_t start_us = wall_clock_us();
+  const auto waited_ms = [&] {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start).count();
+  };
+  for (std::int64_t words = 0;;) {
+    if (words * kSpeakEvery_ms <= waited_ms()) {
+      speak();
+      ++words;
+    }
     std::vector<LogEvent> events = events_since(run_log, resumption.last_wall_us - kBefore_us);
-    const auto word = std::find_if(events.begin(), events.end(), [&](const LogEvent& event) { return is_word_of(event, name, pid); });
-    const bool found = word != events.end();
-    if (found || std::chrono::steady_clock::now() > end) {
-      events.erase(word, events.end());
+    auto cut = std::find_if(events.begin(), events.end(), [&](const LogEvent& event) { return is_word_of(event, name, pid); });
+    const bool found = cut != events.end();
+    if (found || waited_ms() > patience_ms) {
+      if (!found || cut->utime > start_us + 1000 * kSpeakEvery_ms)  // the first word was not recorded
+        cut = std::find_if(events.begin(), events.end(), [&](const LogEvent& event) { return event.utime > start_us; });
+      events.erase(cut, events.end());
       return {only_missed(std::move(events), resumption), found};
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

@@ -129,7 +129,8 @@ class Host {
   void catch_up() {
     const std::optional<Resumption> resumption = module_->resumption();
     if (!resumption) return;
-    const Missed missed = read_missed(config_.recorder.path, *resumption, bus_.name(), getpid(), kCatchUpPatience_ms);
+    const Missed missed = read_missed(config_.recorder.path, *resumption, bus_.name(), getpid(), kCatchUpPatience_ms,
+                                      [this] { status_.publish(state(), true); });
     for (const LogEvent& event : missed.events) bus_.deliver(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
     delivered_until_us_ = steady_us() + kEchoes_us;
     std::cerr << bus_.name() << ": goes on after a restart; " << missed.events.size() << " messages since the last one were found in the log"
@@ -164,7 +165,7 @@ class Host {
   StatusReporter status_;
   LossMeter losses_;
   static constexpr std::int64_t kFinishPatience_us = 10'000'000, kEchoes_us = 5'000'000;
-  static constexpr int kCatchUpPatience_ms = 700;
+  static constexpr int kCatchUpPatience_ms = 1500;
   bool finished_ = false;
   std::int64_t finish_by_us_ = 0;       ///< not 0: told to finish, waits for what is missing
   std::int64_t delivered_until_us_ = 0;  ///< not 0: messages from the log may come a second time

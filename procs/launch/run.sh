@@ -103,7 +103,7 @@ serverurl=unix://$SOCKET_DIR/supervisor.sock
 [rpcinterface:supervisor]
 supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
 [eventlistener:watchdog]
-command="$BIN/modslam-watchdog"
+command="$BIN/modslam-watchdog" --supervisor "$SOCKET_DIR/supervisor.sock"
 events=PROCESS_STATE
 buffer_size=100
 priority=1

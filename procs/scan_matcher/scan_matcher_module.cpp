@@ -13,10 +13,15 @@
 namespace modslam {
 namespace {
 
+constexpr std::int64_t kSilence_us = 1'000'000;
+constexpr double kFar_m = 1.0, kFar_rad = 0.8;
+
 class ScanMatcherModule : public Module {
  public:
   ScanMatcherModule(Bus& bus, const SystemConfig& config)
       : bus_(bus),
+        matcher_config_(config.scan_matcher),
+        odometry_model_(config.odometry_model),
         matcher_(config.scan_matcher, config.odometry_model),
         source_(bus, channel::kOdometry, [this](const Scan& scan, const Pose2& T_odom_base) { match(scan, T_odom_base); }),
         journal_(config.journal, bus.name()) {
@@ -28,6 +33,7 @@ class ScanMatcherModule : public Module {
   std::string words() const override {
     return std::to_string(seq_) + " scans matched, " + std::to_string(doubtful_) + " doubtful, " +
            std::to_string(source_.without_odometry()) + " without odometry" +
+           (breaks_ ? ", " + std::to_string(breaks_) + " new beginnings after a silence" : "") +
            (journal_.trouble().empty() ? "" : "; " + journal_.trouble());
   }
   std::optional<Resumption> resumption() const override { return resumption_; }
@@ -78,7 +84,18 @@ class ScanMatcherModule : public Module {
     journal_.write("MATCHER_STATE", state);
   }
 
+  /// After a long silence the robot may be anywhere near: a new local map begins, and odometry alone spans the break.
+  bool too_far(const Scan& scan, const Pose2& T_odom_base) const {
+    const Pose2 motion = between(T_odom_last_, T_odom_base);
+    return scan.utime - utime_last_ > kSilence_us && (std::hypot(motion.x, motion.y) > kFar_m || std::abs(motion.heading) > kFar_rad);
+  }
+
   void match(const Scan& scan, const Pose2& T_odom_base) {
+    if (seq_ > 0 && too_far(scan, T_odom_base)) {
+      matcher_ = ScanMatcher(matcher_config_, odometry_model_);
+      seq_ = 0;
+      ++breaks_;
+    }
     if (seq_ == 0) track_ = scan.utime;
     const Pose2 motion = seq_ == 0 ? Pose2() : between(T_odom_last_, T_odom_base);
     const std::int64_t joined_before = matcher_.joined();
@@ -114,12 +131,14 @@ class ScanMatcherModule : public Module {
   }
 
   Bus& bus_;
+  ScanMatcherConfig matcher_config_;
+  OdometryModelConfig odometry_model_;
   ScanMatcher matcher_;
   ScanSource source_;
   Journal journal_;
   std::optional<Resumption> resumption_;
   Pose2 T_odom_last_;
-  std::int64_t utime_last_ = 0, seq_ = 0, track_ = 0, doubtful_ = 0;
+  std::int64_t utime_last_ = 0, seq_ = 0, track_ = 0, doubtful_ = 0, breaks_ = 0;
 };
 
 }  // namespace

@@ -222,6 +222,16 @@ def write_events(path, all_events):
     return path
 
 
+def statuses(path):
+    """Wall time [s], process and pid of each STATUS in a run's log."""
+    for utime, channel, data in events(path):
+        if channel == "STATUS":
+            size, = struct.unpack_from(">i", data, 16)
+            name = data[20:20 + size - 1].decode()
+            version, = struct.unpack_from(">i", data, 20 + size)
+            yield 1e-6 * utime, name, struct.unpack_from(">i", data, 24 + size + version)[0]
+
+
 def duration_s(path):
     """Sensor time of a log."""
     times = [utime for utime, _, _ in events(path)]
