@@ -60,6 +60,7 @@ replay() {
   [[ -r $log ]] || die "replay: $log: there is no such file"
   parse_run_options replay "$@"
   check_log "$log"
+  awk "BEGIN {exit !($SPEED > $MOST_UDP_SPEED)}" && BUS=tcp
   start_run ""
   echo "Replaying $log at $SPEED times real time. Page: $(page_url)   Stop: Ctrl-C"
   play_log "$LOG"

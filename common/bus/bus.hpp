@@ -35,7 +35,7 @@ class Transport {
  public:
   using RawHandler = std::function<void(const std::string& channel, const void* bytes, int size)>;
 
-  /// @throws std::runtime_error when LCM cannot open the url.
+  /// Waits some seconds for a TCP hub that is just being started. @throws std::runtime_error when LCM cannot open the url.
   explicit Transport(const std::string& url);
   ~Transport();
   Transport(const Transport&) = delete;
@@ -50,7 +50,7 @@ class Transport {
 
  private:
   struct Sink;
-  lcm::LCM lcm_;
+  std::unique_ptr<lcm::LCM> lcm_;
   std::vector<std::unique_ptr<Sink>> sinks_;
   std::exception_ptr error_;
 };

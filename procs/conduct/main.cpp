@@ -71,7 +71,28 @@ class Conductor {
     });
   }
 
-  bool settle(const std::string& name, double seconds) {
+  /// Until the process has got nothing new for a while: behind a TCP hub a command overtakes what others have sent.
+  void drain(const std::string& name, double seconds) {
+    const auto received = [&] {
+      std::int64_t sum = 0;
+      const auto heard = heard_.find(name);
+      if (heard == heard_.end()) return sum;
+      for (const channel_count_t& in : heard->second.status.inputs)
+        if (in.channel != channel::kStatus && in.channel != channel::kCommand) sum += in.received;
+      return sum;
+    };
+    const double end = now_s() + seconds;
+    std::int64_t last = -1;
+    for (int same = 0; same < 2 && now_s() < end;) {
+      const int count = heard_[name].count;
+      wait(2.0, [&] { return heard_[name].count > count; });
+      same = received() == last ? same + 1 : 0;
+      last = received();
+    }
+  }
+
+  bool settle(const std::string& name, double seconds, bool drained) {
+    if (drained) drain(name, seconds);
     const double end = now_s() + seconds;
     while (now_s() < end) {  // a command may be lost too: say it again every five seconds
       heard_.erase(name);
@@ -127,6 +148,7 @@ class Conductor {
 int main(int argc, char** argv) {
   std::string url;
   double seconds = 60;
+  bool drained = false;
   std::vector<std::string> names;
   CLI::App app("Waits for, settles and lists the processes of a run");
   app.add_option("--url", url, "LCM url")->envname("LCM_DEFAULT_URL")->required();
@@ -137,6 +159,7 @@ int main(int argc, char** argv) {
   ended->add_option("names", names)->required();
   auto* settle = app.add_subcommand("settle", "tell each in turn that the input has ended");
   settle->add_option("names", names)->required();
+  settle->add_flag("--drain", drained, "first wait until it gets nothing new");
   auto* status = app.add_subcommand("status", "print a table");
   app.require_subcommand(1);
   CLI11_PARSE(app, argc, argv);
@@ -147,7 +170,7 @@ int main(int argc, char** argv) {
     if (*ended) return conductor.ended(names.front(), seconds) ? 0 : 1;
     if (*status) return conductor.print_status(std::min(seconds, 1.6));
     for (const std::string& name : names)
-      if (!conductor.settle(name, seconds)) return 1;
+      if (!conductor.settle(name, seconds, drained)) return 1;
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "conduct: " << error.what() << std::endl;

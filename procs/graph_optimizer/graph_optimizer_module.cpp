@@ -18,7 +18,9 @@
 namespace modslam {
 namespace {
 
-constexpr std::size_t kScansKept = 400;  // that wait for their match
+// That wait for their match: a fast player sends some thousand messages ahead of the matcher.
+constexpr std::size_t kScansKept = 10'000;
+constexpr std::size_t kUnpaired = 50;  // of the newest, that are looked at when odometry comes
 
 class GraphOptimizerModule : public Module {
  public:
@@ -29,11 +31,11 @@ class GraphOptimizerModule : public Module {
       if (m.sensor == channel::kLaser) sensor_ = to_sensor_info(m);
     });
     bus.subscribe<bot_core::planar_lidar_t>(channel::kLaser, [this](const bot_core::planar_lidar_t& m) {
-      scans_.push_back(to_scan(m));
+      scans_.push_back({to_scan(m), odometry_.at(m.utime), ins_.at(m.utime)});
       if (scans_.size() > kScansKept) scans_.pop_front();
     });
-    bus.subscribe<bot_core::pose_t>(channel::kOdometry, [this](const bot_core::pose_t& m) { add(odometry_, m); });
-    bus.subscribe<bot_core::pose_t>(channel::kIns, [this](const bot_core::pose_t& m) { add(ins_, m); });
+    bus.subscribe<bot_core::pose_t>(channel::kOdometry, [this](const bot_core::pose_t& m) { add(odometry_, &WaitingScan::T_odom_base, m); });
+    bus.subscribe<bot_core::pose_t>(channel::kIns, [this](const bot_core::pose_t& m) { add(ins_, &WaitingScan::T_ins_base, m); });
     bus.subscribe<scan_match_t>(channel::kScanMatch, [this](const scan_match_t& m) { on_match(m); });
     bus.subscribe<loop_closure_t>(channel::kLoop, [this](const loop_closure_t& m) { session_.add_loop(to_loop(m)); });
   }
@@ -87,9 +89,19 @@ class GraphOptimizerModule : public Module {
     any_ = started_in_track_ = true;
   }
 
-  static void add(OdometryBuffer& buffer, const bot_core::pose_t& message) {
+  /// A scan and where the sources say that it was taken, looked up as soon as they cover its time: in a log whose stamps step back the
+  /// same time comes twice, and who looks later finds another place.
+  struct WaitingScan {
+    Scan scan;
+    std::optional<Pose2> T_odom_base, T_ins_base;
+  };
+
+  void add(OdometryBuffer& buffer, std::optional<Pose2> WaitingScan::*place, const bot_core::pose_t& message) {
     const TimedPose pose = to_timed_pose(message);
     buffer.add(pose.utime, pose.pose);
+    const std::size_t first = scans_.size() > kUnpaired ? scans_.size() - kUnpaired : 0;
+    for (std::size_t k = first; k < scans_.size(); ++k)
+      if (!(scans_[k].*place)) scans_[k].*place = buffer.at(scans_[k].scan.utime);
   }
 
   void on_match(const scan_match_t& message) {
@@ -99,8 +111,8 @@ class GraphOptimizerModule : public Module {
     }
     const Pose2 T_track_base = to_pose(message.T_track_base);
     MotionMeasurement laser{to_pose(message.T_from_to), to_matrix(message.information)};
-    const Scan scan = take_scan(message.utime);
-    const Sources now = sources_at(message.utime, T_track_base);
+    const WaitingScan waiting = take_scan(message.utime);
+    const Sources now = sources_of(waiting, T_track_base);
 
     if (message.track != track_) {
       started_in_track_ = false;  // the matcher was restarted: only odometry spans the break
@@ -117,7 +129,7 @@ class GraphOptimizerModule : public Module {
       if (measurements.empty()) measurements.push_back({Pose2(), Eigen::Matrix3d::Identity()});
     }
     remember(message, now);
-    session_.step(scan, sensor_, measurements, static_cast<Verdict>(message.verdict));
+    session_.step(waiting.scan, sensor_, measurements, static_cast<Verdict>(message.verdict));
   }
 
   void add_odometry(const Sources& now, std::vector<MotionMeasurement>& measurements) const {
@@ -131,30 +143,30 @@ class GraphOptimizerModule : public Module {
     }
   }
 
-  Sources sources_at(std::int64_t utime, const Pose2& T_track_base) const {
+  Sources sources_of(const WaitingScan& waiting, const Pose2& T_track_base) const {
     Sources sources;
     sources.T_track_base = T_track_base;
-    const auto odometry = odometry_.at(utime), ins = ins_.at(utime);
-    sources.odometry = odometry || odometry_.newest();
-    if (sources.odometry) sources.T_odom_base = odometry ? *odometry : *odometry_.newest();
-    sources.ins = ins.has_value();
-    if (ins) sources.T_ins_base = *ins;
+    const auto odometry = waiting.T_odom_base ? waiting.T_odom_base : odometry_.newest();
+    sources.odometry = odometry.has_value();
+    sources.T_odom_base = odometry.value_or(Pose2());
+    sources.ins = waiting.T_ins_base.has_value();
+    sources.T_ins_base = waiting.T_ins_base.value_or(Pose2());
     return sources;
   }
 
   /// The scan of that time, out of the queue with all before it. An empty one when it never arrived.
-  Scan take_scan(std::int64_t utime) {
+  WaitingScan take_scan(std::int64_t utime) {
     for (std::size_t k = 0; k < scans_.size(); ++k) {
-      if (scans_[k].utime != utime) continue;
-      Scan scan = std::move(scans_[k]);
+      if (scans_[k].scan.utime != utime) continue;
+      WaitingScan waiting = std::move(scans_[k]);
       scans_.erase(scans_.begin(), scans_.begin() + static_cast<std::ptrdiff_t>(k) + 1);
-      return scan;
+      return waiting;
     }
     bus_.count_gap(channel::kLaser, 1);
-    Scan empty;
-    empty.utime = utime;
-    empty.ranges_m.assign(1, 0.0f);
-    return empty;
+    WaitingScan lost{{}, odometry_.at(utime), ins_.at(utime)};
+    lost.scan.utime = utime;
+    lost.scan.ranges_m.assign(1, 0.0f);
+    return lost;
   }
 
   Bus& bus_;
@@ -162,7 +174,7 @@ class GraphOptimizerModule : public Module {
   EstimatorSession session_;
   SensorInfo sensor_;
   OdometryBuffer odometry_, ins_;
-  std::deque<Scan> scans_;
+  std::deque<WaitingScan> scans_;
   Sources last_;
   std::int64_t track_ = 0, seq_ = -1, repeated_ = 0;
   bool any_ = false, started_in_track_ = false;

@@ -2,7 +2,7 @@
 # Sourced by run.sh: one run. Its folder, its processes under supervisor, its end and its results.
 
 readonly CURRENT=${MODSLAM_CURRENT:-$HOUSE/logs/.current}  # names the folder of the run that is going on
-OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED=""
+OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED="" BUS=udp
 
 # Options that all runs share; sets OUT, SPEED, CONFIG, OVERRIDES.
 parse_options() {
@@ -60,11 +60,9 @@ mapping_processes() {
 # start_run "SOURCE...": writes the run's supervisor file and starts everything; returns when all processes have spoken.
 start_run() {
   local sources=$1
-  ensure_multicast
   rm -rf "$OUT"/run.lcm "$OUT/journal"
   mkdir -p "$OUT/log"
-  claim_bus_port
-  export LCM_DEFAULT_URL; LCM_DEFAULT_URL=$(url_of_port "$PORT")
+  open_bus
   if [[ $(setting launch.viewer) == true ]]; then
     claim_page_port "$(setting viewer.port)"
     OVERRIDES+=(--set "viewer.port=$PAGE_PORT")
@@ -82,7 +80,7 @@ start_run() {
   setsid supervisord -c "$OUT/supervisor.conf" >"$OUT/log/supervisord.out" 2>&1 &
   SUPERVISOR_PID=$!
   mkdir -p "$(dirname "$CURRENT")"
-  printf '%s=%q\n' OUT "$OUT" PORT "$PORT" PAGE_PORT "${PAGE_PORT:-}" SUPERVISOR_PID "$SUPERVISOR_PID" LAUNCHER_PID $$ >"$CURRENT"
+  printf '%s=%q\n' OUT "$OUT" PORT "$PORT" URL "$LCM_DEFAULT_URL" PAGE_PORT "${PAGE_PORT:-}" SUPERVISOR_PID "$SUPERVISOR_PID" LAUNCHER_PID $$ >"$CURRENT"
   cp "$CURRENT" "$OUT/run.env"
   wait_for "$BIN/modslam-conduct" --timeout 20 up "${first[@]}" ||
     { tail -n 5 "$OUT"/log/*.log >&2; die "not all processes started; their logs are in $OUT/log"; }
@@ -110,6 +108,7 @@ priority=1
 stdout_logfile=NONE
 stderr_logfile=$OUT/log/watchdog.log
 INI
+  [[ $BUS == udp ]] || program hub 0 true "java -Xmx256m -cp $BUILD/modslam-hub.jar:/usr/share/java/lcm.jar lcm.lcm.LoopbackHub $PORT"
   local name priority=10  # supervisor starts in this order and stops in the other
   for name in $1; do program "$name" $((priority++)) true "$(command_of "$name")"; done
   for name in $2; do program "$name" $((priority++)) false "$(command_of "$name")"; done
@@ -179,7 +178,9 @@ end_run() {
       map_builder | semantic_classifier) order+=("$name") ;;
     esac
   done
-  wait_for "$BIN/modslam-conduct" --timeout 60 settle "${order[@]}" recorder || echo "run.sh: not every process settled; the result may lack its last part" >&2
+  local drain=()
+  [[ $BUS == udp ]] || drain=(--drain)
+  wait_for "$BIN/modslam-conduct" --timeout 60 settle "${drain[@]}" "${order[@]}" recorder || echo "run.sh: not every process settled; the result may lack its last part" >&2
   "$BIN/modslam-conduct" status >"$OUT/status.txt" 2>/dev/null || true
   stop_run
   ENDED=yes
@@ -239,7 +240,7 @@ attach() {
   [[ -e $CURRENT ]] || die "no run is going on"
   # shellcheck disable=SC1090
   source "$CURRENT"
-  export LCM_DEFAULT_URL; LCM_DEFAULT_URL=$(url_of_port "$PORT")
+  export LCM_DEFAULT_URL=$URL
 }
 
 attach_or_default() {
