@@ -2,6 +2,8 @@
 #include "common/bus/bus.hpp"
 
 #include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -57,6 +59,8 @@ Transport::Transport(const std::string& url) {
   lcm_ = std::make_unique<lcm::LCM>(url);
   if (!lcm_->good())
     throw std::runtime_error("LCM cannot open '" + url + "': is there a multicast route? Try: ip route add 224.0.0.0/4 dev lo");
+  const int at_once = 1;  // else a small message waits 40 ms for the answer to the one before
+  if (hub) setsockopt(lcm_->getFileno(), IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once);
 }
 
 Transport::~Transport() = default;

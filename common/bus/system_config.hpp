@@ -25,12 +25,14 @@ struct LaunchConfig {
   std::string estimator = "graph_optimizer";
   bool semantics = true;
   bool viewer = true;
+  bool lockstep = false;
 
   void visit(ConfigVisitor& v) {
     v.choice("estimator", estimator, {"graph_optimizer", "odometry", "ground_truth"},
              "Who estimates the pose: the graph, or one of two yardsticks.");
     v.flag("semantics", semantics, "Start the semantic classifier.");
     v.flag("viewer", viewer, "Start the viewer (a web page on 127.0.0.1).");
+    v.flag("lockstep", lockstep, "The estimator waits for the loop detector after each node; run.sh sets it for fast replays.");
   }
 };
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// procs/graph_optimizer — SCAN_MATCH + LASER + ODOMETRY + INS + LOOP (+ SYNC_REQUEST) → POSE, NODE, GRAPH (+ SYNC_REQUEST for a LOOP that was lost).
+/// procs/graph_optimizer — SCAN_MATCH + LASER + ODOMETRY + INS + LOOP + LOOP_SEARCH (+ SYNC_REQUEST) → POSE, NODE, GRAPH (+ SYNC_REQUEST for a LOOP that was lost).
 /// Config: [graph_optimizer], [odometry_model].
 #include <bot_core/planar_lidar_t.hpp>
 #include <Eigen/LU>
 #include <bot_core/pose_t.hpp>
 #include <deque>
+#include <modslam/loop_search_t.hpp>
 #include <modslam/scan_match_t.hpp>
 #include <modslam/sync_request_t.hpp>
 
@@ -20,12 +21,13 @@ namespace {
 
 // That wait for their match: a fast player sends some thousand messages ahead of the matcher.
 constexpr std::size_t kScansKept = 10'000;
+constexpr std::int64_t kLockstepPatience_us = 2'000'000;
 constexpr std::size_t kUnpaired = 50;  // of the newest, that are looked at when odometry comes
 
 class GraphOptimizerModule : public Module {
  public:
   GraphOptimizerModule(Bus& bus, const SystemConfig& config)
-      : bus_(bus), model_(config.odometry_model), session_(bus, config.graph_optimizer, config.journal) {
+      : bus_(bus), model_(config.odometry_model), lockstep_(config.launch.lockstep), session_(bus, config.graph_optimizer, config.journal) {
     if (session_.resumed()) resume();
     bus.subscribe<sensor_info_t>(channel::kSensorInfo, [this](const sensor_info_t& m) {
       if (m.sensor == channel::kLaser) sensor_ = to_sensor_info(m);
@@ -36,12 +38,32 @@ class GraphOptimizerModule : public Module {
     });
     bus.subscribe<bot_core::pose_t>(channel::kOdometry, [this](const bot_core::pose_t& m) { add(odometry_, &WaitingScan::T_odom_base, m); });
     bus.subscribe<bot_core::pose_t>(channel::kIns, [this](const bot_core::pose_t& m) { add(ins_, &WaitingScan::T_ins_base, m); });
-    bus.subscribe<scan_match_t>(channel::kScanMatch, [this](const scan_match_t& m) { on_match(m); });
+    bus.subscribe<scan_match_t>(channel::kScanMatch, [this](const scan_match_t& m) {
+      matches_.push_back(m);
+      work();
+    });
+    bus.subscribe<loop_search_t>(channel::kLoopSearch, [this](const loop_search_t& m) {
+      searched_ = std::max(searched_, m.node);
+      work();
+    });
     bus.subscribe<loop_closure_t>(channel::kLoop, [this](const loop_closure_t& m) { session_.add_loop(to_loop(m)); });
   }
 
-  void finish() override { session_.finish(); }
-  void tick(std::int64_t) override { session_.tick(); }
+  void finish() override {
+    lockstep_ = false;
+    work();
+    session_.finish();
+  }
+  void tick(std::int64_t steady_us) override {
+    session_.tick();
+    if (matches_.empty() || worked_) blocked_since_us_ = steady_us;
+    worked_ = false;
+    if (steady_us - blocked_since_us_ > kLockstepPatience_us) {  // the loop detector is dead or was never started
+      searched_ = nodes();
+      work();
+    }
+  }
+  bool complete() const override { return matches_.empty(); }
   std::string words() const override { return session_.words(); }
   void missed(const std::string& channel) override {
     if (channel != channel::kLoop) return;
@@ -102,6 +124,18 @@ class GraphOptimizerModule : public Module {
     const std::size_t first = scans_.size() > kUnpaired ? scans_.size() - kUnpaired : 0;
     for (std::size_t k = first; k < scans_.size(); ++k)
       if (!(scans_[k].*place)) scans_[k].*place = buffer.at(scans_[k].scan.utime);
+  }
+
+  NodeId nodes() const { return static_cast<NodeId>(session_.estimator().graph().poses.size()); }
+
+  /// In lockstep no match is taken before the newest node was searched for loops: then the player's speed changes nothing.
+  void work() {
+    while (!matches_.empty() && (!lockstep_ || searched_ >= nodes() - 1)) {
+      worked_ = true;
+      const scan_match_t match = std::move(matches_.front());
+      matches_.pop_front();
+      on_match(match);
+    }
   }
 
   void on_match(const scan_match_t& message) {
@@ -171,6 +205,10 @@ class GraphOptimizerModule : public Module {
 
   Bus& bus_;
   OdometryModelConfig model_;
+  bool lockstep_, worked_ = false;
+  std::deque<scan_match_t> matches_;
+  NodeId searched_ = -1;  ///< newest node that was searched for loops
+  std::int64_t blocked_since_us_ = 0;
   EstimatorSession session_;
   SensorInfo sensor_;
   OdometryBuffer odometry_, ins_;

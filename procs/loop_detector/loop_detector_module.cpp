@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// procs/loop_detector — NODE + GRAPH (+ POSE, to notice gaps; SYNC_REQUEST) → LOOP. Config: [loop_detector], [scan_matcher] (range noise and limit).
+/// procs/loop_detector — NODE + GRAPH (+ POSE, to notice gaps; SYNC_REQUEST) → LOOP, LOOP_SEARCH. Config: [loop_detector], [scan_matcher] (range noise and limit).
+#include <modslam/loop_search_t.hpp>
 #include <modslam/sync_request_t.hpp>
 
 #include "common/bus/channels.hpp"
@@ -69,6 +70,11 @@ class LoopDetectorModule : public Module {
       detector_.add_node(node.id, node.T_map_base, node.scan, node.sensor);
       if (added_ == looked_at_) detector_.resume_after_newest();
       if (added_ > looked_at_) look(node);
+      loop_search_t searched{};
+      searched.utime = node.utime;
+      searched.node = node.id;
+      searched.proposals = static_cast<std::int64_t>(said_.size());
+      bus_.publish(channel::kLoopSearch, searched);
     }
   }
 
