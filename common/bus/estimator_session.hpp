@@ -19,7 +19,7 @@ namespace modslam {
 
 class EstimatorSession {
  public:
-  EstimatorSession(Bus& bus, const EstimatorConfig& config, const JournalConfig& journal);
+  EstimatorSession(Bus& bus, const EstimatorConfig& config, const JournalConfig& journal = {});
 
   /// Where the sources said the robot was at the newest scan: kept in the journal for whoever feeds the session. Set before step().
   estimator_state_t& tracking() { return state_; }
