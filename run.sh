@@ -29,7 +29,8 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
   ./run.sh record OUT.lcm                     lcm-logger on the run that is going on, until Ctrl-C
   ./run.sh spy                                lcm-spy with our message types
   ./run.sh view                               where the page of the run that is going on is
-  ./run.sh status                             processes, rates, latencies; exit code 1 when one is in trouble
+  ./run.sh status                             processes, restarts, rates, losses, latencies; exit code 1 when one is in trouble
+  ./run.sh doctor                             what is wrong with this machine or the run, in plain words
   ./run.sh stop                               stop the run that is going on
   ./run.sh build                              install what is missing and build
 All that start modules take --config FILE and --set table.key=value (repeatable). Results: logs/<run>/ or --out DIR.
@@ -91,7 +92,15 @@ report() { make_results "$(here "${1:?report: which folder?}")"; }
 record() { attach; exec lcm-logger "$(here "${1:?record: which file?}")"; }
 spy() { attach_or_default; exec procs/spy/spy.sh "$BUILD"; }
 view() { attach; page_url; }
-status() { attach; exec "$BIN/modslam-conduct" status; }
+# shellcheck disable=SC2086
+status() { attach; exec "$BIN/modslam-conduct" status --supervisor-log "$OUT/log/supervisord.log" $PROCESSES; }
+# shellcheck disable=SC2086
+doctor() {
+  mkdir -p logs
+  [[ -e $CURRENT ]] || exec "$BIN/modslam-doctor" --no-run --folder "$HOUSE/logs"
+  attach
+  exec "$BIN/modslam-doctor" --folder "$OUT" $PROCESSES
+}
 stop() { stop_current; }
 run_tests() { exec python3 tests/run_all.py "$BUILD" "$@"; }
 
@@ -102,7 +111,7 @@ main() {
     stop) stop ;;
     build) ensure_built all ;;
     test) ensure_built all; run_tests "$@" ;;
-    demo | live | replay | offline | simulate | evaluate | report | record | spy | view | status) ensure_built programs; "$verb" "$@" ;;
+    demo | live | replay | offline | simulate | evaluate | report | record | spy | view | status | doctor) ensure_built programs; "$verb" "$@" ;;
     import) ensure_built programs; import_log "$@" ;;
     *) echo "run.sh: '$verb' is no verb" >&2; help >&2; exit 2 ;;
   esac

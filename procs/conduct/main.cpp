@@ -3,12 +3,10 @@
 ///   up NAME...      waits until each process has spoken
 ///   ended NAME      waits until that process says FINISHED (a simulated route has ended)
 ///   settle NAME...  tells each in turn that the input has ended and waits for its FINISHED
-///   status          listens for a moment and prints a table; exit code 1 when somebody is in trouble
+///   status NAME...  listens for a moment and prints a table; exit code 1 when somebody is in trouble or silent
 /// A COMMAND stands in each process's queue behind the messages sent before it, so FINISHED means: all of those are handled.
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <csignal>
-#include <iomanip>
 #include <iostream>
 #include <map>
 #include <modslam/command_t.hpp>
@@ -17,6 +15,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/process.hpp"
+#include "procs/conduct/status_table.hpp"
 
 namespace modslam {
 namespace {
@@ -25,18 +24,17 @@ double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-struct Heard {
-  process_status_t status;
-  double at_s;
-  int count;
-};
-
 class Conductor {
  public:
   explicit Conductor(const std::string& url) : transport_(url), bus_(transport_, "conduct") {
     bus_.subscribe<process_status_t>(channel::kStatus, [this](const process_status_t& m) {
       Heard& heard = heard_[m.name];
-      heard = {m, now_s(), heard.count + 1};
+      if (heard.count++ == 0 || heard.status.pid != m.pid) {
+        heard.first = m;
+        heard.first_s = now_s();
+      }
+      heard.status = m;
+      heard.at_s = now_s();
     });
   }
 
@@ -110,30 +108,13 @@ class Conductor {
     return false;
   }
 
-  int print_status(double seconds) {
+  int print_status(double seconds, const std::vector<std::string>& expected, const std::string& supervisor_log) {
     wait(seconds, [] { return false; });
     if (heard_.empty()) {
       std::cerr << "no process has spoken within " << seconds << " s: is a run going on?" << std::endl;
       return 1;
     }
-    bool well = true;
-    std::cout << std::left << std::setw(22) << "process" << std::setw(10) << "state" << std::right << std::setw(8) << "pid"
-              << std::setw(10) << "in" << std::setw(8) << "bad" << std::setw(8) << "gaps" << std::setw(10) << "p50 ms"
-              << std::setw(10) << "p99 ms" << std::setw(9) << "MB" << "  what it says\n";
-    for (const auto& [name, heard] : heard_) {
-      const process_status_t& s = heard.status;
-      static const char* const kStates[] = {"?", "running", "TROUBLE", "finished", "stopped"};
-      std::int64_t in = 0, bad = 0, gaps = 0;
-      for (const auto& c : s.inputs) in += c.received, bad += c.bad, gaps += c.gaps;
-      well = well && s.state != process_status_t::TROUBLED;
-      std::cout << std::left << std::setw(22) << name << std::setw(10)
-                << (s.state >= 0 && s.state <= 4 ? kStates[s.state] : "?") << std::right << std::setw(8) << s.pid
-                << std::setw(10) << in << std::setw(8) << bad << std::setw(8) << gaps << std::fixed << std::setprecision(2)
-                << std::setw(10) << 1e-3 * static_cast<double>(s.latency_p50_us) << std::setw(10)
-                << 1e-3 * static_cast<double>(s.latency_p99_us) << std::setw(9) << std::setprecision(1)
-                << static_cast<double>(s.memory_kb) / 1024 << "  " << s.words << "\n";
-    }
-    return well ? 0 : 1;
+    return print_status_table(std::cout, heard_, expected, count_restarts(supervisor_log)) ? 0 : 1;
   }
 
  private:
@@ -146,7 +127,7 @@ class Conductor {
 }  // namespace modslam
 
 int main(int argc, char** argv) {
-  std::string url;
+  std::string url, supervisor_log;
   double seconds = 60;
   bool drained = false;
   std::vector<std::string> names;
@@ -161,6 +142,8 @@ int main(int argc, char** argv) {
   settle->add_option("names", names)->required();
   settle->add_flag("--drain", drained, "first wait until it gets nothing new");
   auto* status = app.add_subcommand("status", "print a table");
+  status->add_option("names", names, "processes that should speak");
+  status->add_option("--supervisor-log", supervisor_log, "to count restarts in");
   app.require_subcommand(1);
   CLI11_PARSE(app, argc, argv);
   try {
@@ -168,7 +151,7 @@ int main(int argc, char** argv) {
     modslam::Conductor conductor(url);
     if (*up) return conductor.up(names, seconds) ? 0 : 1;
     if (*ended) return conductor.ended(names.front(), seconds) ? 0 : 1;
-    if (*status) return conductor.print_status(std::min(seconds, 1.6));
+    if (*status) return conductor.print_status(std::min(seconds, 2.4), names, supervisor_log);
     for (const std::string& name : names)
       if (!conductor.settle(name, seconds, drained)) return 1;
     return 0;

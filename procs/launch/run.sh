@@ -80,7 +80,7 @@ start_run() {
   setsid supervisord -c "$OUT/supervisor.conf" >"$OUT/log/supervisord.out" 2>&1 &
   SUPERVISOR_PID=$!
   mkdir -p "$(dirname "$CURRENT")"
-  printf '%s=%q\n' OUT "$OUT" PORT "$PORT" URL "$LCM_DEFAULT_URL" PAGE_PORT "${PAGE_PORT:-}" SUPERVISOR_PID "$SUPERVISOR_PID" LAUNCHER_PID $$ >"$CURRENT"
+  printf '%s=%q\n' OUT "$OUT" PORT "$PORT" URL "$LCM_DEFAULT_URL" PAGE_PORT "${PAGE_PORT:-}" SUPERVISOR_PID "$SUPERVISOR_PID" LAUNCHER_PID $$ PROCESSES "${first[*]} ${late[*]:-}" >"$CURRENT"
   cp "$CURRENT" "$OUT/run.env"
   wait_for "$BIN/modslam-conduct" --timeout 20 up "${first[@]}" ||
     { tail -n 5 "$OUT"/log/*.log >&2; die "not all processes started; their logs are in $OUT/log"; }
@@ -181,7 +181,7 @@ end_run() {
   local drain=()
   [[ $BUS == udp ]] || drain=(--drain)
   wait_for "$BIN/modslam-conduct" --timeout 60 settle "${drain[@]}" "${order[@]}" recorder || echo "run.sh: not every process settled; the result may lack its last part" >&2
-  "$BIN/modslam-conduct" status >"$OUT/status.txt" 2>/dev/null || true
+  "$BIN/modslam-conduct" status --supervisor-log "$OUT/log/supervisord.log" >"$OUT/status.txt" 2>/dev/null || true
   stop_run
   ENDED=yes
   say_restarts
