@@ -18,7 +18,9 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
 
   ./run.sh demo [--out DIR] [--set T.K=V]...  drive the simulated Apartment, map it, show what was found
   ./run.sh test                               everything that must hold
-  ./run.sh live [--out DIR]                   the same processes with the drivers of config/modslam.toml, until Ctrl-C
+  ./run.sh live [--out DIR] [--url URL] [--only NAME,NAME]
+                                              the same processes with the drivers of config/modslam.toml, until Ctrl-C;
+                                              --url and --only: several machines share the work (docs/several-machines.md)
   ./run.sh replay LOG [--speed S] [--out DIR] play an LCM log through the processes with lcm-logplayer
   ./run.sh offline LOG --out DIR              the same in one program, as fast as the machine, same bytes every time
   ./run.sh import FILE OUT.lcm [--laser-x M --laser-y M --laser-yaw RAD]

@@ -57,7 +57,8 @@ class ViewerModule : public Module {
   }
   std::string words() const override {
     return "http://127.0.0.1:" + std::to_string(server_.port()) +
-           "/, pages open: " + std::to_string(hub_.pages());
+           "/, pages open: " + std::to_string(hub_.pages()) + ", " +
+           std::to_string(mirror_.nodes().size()) + " nodes";
   }
 
  private:

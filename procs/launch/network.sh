@@ -36,7 +36,11 @@ claim_bus_port() {
 # Exports LCM_DEFAULT_URL for this run: multicast, or with BUS=tcp LCM's TCP hub on 127.0.0.1, which loses nothing at any speed but lets
 # one process that hangs hold up all others: for replays only.
 open_bus() {
-  if [[ $BUS == udp ]]; then
+  if [[ -n $BUS_URL ]]; then
+    PORT=$(sed -n 's/.*:\([0-9]*\).*/\1/p' <<<"$BUS_URL")
+    claim udp "$PORT" || die "port $PORT is in use by another run on this machine"
+    export LCM_DEFAULT_URL=$BUS_URL
+  elif [[ $BUS == udp ]]; then
     ensure_multicast
     claim_bus_port
     export LCM_DEFAULT_URL; LCM_DEFAULT_URL=$(url_of_port "$PORT")

@@ -2,7 +2,7 @@
 # Sourced by run.sh: one run. Its folder, its processes under supervisor, its end and its results.
 
 readonly CURRENT=${MODSLAM_CURRENT:-$HOUSE/logs/.current}  # names the folder of the run that is going on
-OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED="" BUS=udp
+OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED="" BUS=udp BUS_URL="" ONLY=""
 
 # Options that all runs share; sets OUT, SPEED, CONFIG, OVERRIDES.
 parse_options() {
@@ -12,6 +12,8 @@ parse_options() {
       --out) OUT=$(here "${2:?--out: which folder?}"); shift 2 ;;
       --speed) SPEED=${2:?--speed: how fast?}; shift 2 ;;
       --config) CONFIG=$(here "${2:?--config: which file?}"); shift 2 ;;
+      --url) BUS_URL=${2:?--url: which LCM url?}; shift 2 ;;
+      --only) ONLY=${2:?--only: which processes, with commas between?}; shift 2 ;;
       --set) OVERRIDES+=(--set "${2:?--set: table.key=value}"); shift 2 ;;
       *) die "$kind: unknown option '$1'" ;;
     esac
@@ -73,6 +75,7 @@ start_run() {
   OVERRIDES+=(--set "recorder.path=$OUT/run.lcm" --set "journal.folder=$OUT/journal")
   for name in $sources; do [[ $name == simulator ]] && late+=("$name") || first+=("$name"); done
   for name in $(mapping_processes); do first+=("$name"); done
+  choose_processes
   write_supervisor_file "${first[*]}" "${late[*]:-}" >"$OUT/supervisor.conf"
   trap 'on_signal 130' INT
   trap 'on_signal 143' TERM
@@ -85,6 +88,16 @@ start_run() {
   wait_for "$BIN/modslam-conduct" --timeout 20 up "${first[@]}" ||
     { tail -n 5 "$OUT"/log/*.log >&2; die "not all processes started; their logs are in $OUT/log"; }
   for name in "${late[@]}"; do supervisor_control start "$name" >/dev/null; done
+}
+
+# --only: this machine runs a part of the system, the others run elsewhere on the same network.
+choose_processes() {
+  [[ -n $ONLY ]] || return 0
+  local name known=" ${first[*]} ${late[*]:-} " chosen=() chosen_late=()
+  for name in ${ONLY//,/ }; do [[ $known == *" $name "* ]] || die "--only: there is no process '$name' here; known:$known"; done
+  for name in "${first[@]}"; do [[ ,$ONLY, == *,$name,* ]] && chosen+=("$name"); done
+  for name in "${late[@]}"; do [[ ,$ONLY, == *,$name,* ]] && chosen_late+=("$name"); done
+  first=("${chosen[@]}") late=("${chosen_late[@]}")
 }
 
 write_supervisor_file() {

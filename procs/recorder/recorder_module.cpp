@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::int64_t kAskEvery_us = 500'000;
 constexpr std::uint64_t kMaxNodes = 10'000'000;
-constexpr int kMostQuestions = 6;  // about the same gap: somebody else may be dead
+constexpr int kMostQuestions = 6;  // when nothing is known to be missing
 
 std::int64_t wall_clock_us() {
   return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -35,7 +35,7 @@ class RecorderModule : public Module {
   void tick(std::int64_t steady_us) override {
     if (steady_us - asked_us_ < kAskEvery_us) return;
     asked_us_ = steady_us;
-    if (trouble_.empty() && has_gap() && questions_ < kMostQuestions) ask();
+    if (trouble_.empty() && has_gap()) ask();
   }
   void missed(const std::string& channel) override {
     if (channel != channel::kNode && channel != channel::kGraph && channel != channel::kMapTile && channel.rfind("SEMANTIC", 0) != 0) return;
@@ -75,7 +75,6 @@ class RecorderModule : public Module {
       }
     } catch (const std::runtime_error&) {  // nothing whole in it yet
     }
-    suspicious_ = true;
     goes_on_ = true;
   }
 
@@ -94,7 +93,7 @@ class RecorderModule : public Module {
   bool has_gap() const { return suspicious_ || !early_.empty(); }
 
   void ask() {
-    ++questions_;
+    if (++questions_ == kMostQuestions) suspicious_ = false;  // there may be no graph yet
     sync_request_t message{};
     message.utime = bus_.utime();
     message.requester = bus_.name();
@@ -108,7 +107,7 @@ class RecorderModule : public Module {
   std::set<std::int64_t> early_;  ///< nodes behind a gap
   std::int64_t next_node_ = 0, events_ = 0, asked_us_ = 0;
   int questions_ = 0;
-  bool suspicious_ = false, goes_on_ = false;
+  bool suspicious_ = true, goes_on_ = false;  ///< there may be a part of the graph that nobody will tell unasked
   std::string trouble_;
 };
 
