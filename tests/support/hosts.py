@@ -67,10 +67,10 @@ class Host:
 
     def lose(self, percent):
         """So much of what this host sends on the bus gets lost in the switch from now on; dropped() counts all."""
-        self.drops = self.dropped()
+        self.dropped_before = self.dropped()
         sh(f"nft flush chain bridge lossy p{self.number}")
-        subprocess.run(["nft", f'add rule bridge lossy p{self.number} ip daddr 239.0.0.0/8 numgen random mod 1000 < {10 * percent} '
-                        f'counter packets {self.drops} bytes 0 drop'], check=True)
+        some = "" if percent >= 100 else f"numgen random mod 1000 < {10 * percent} "
+        subprocess.run(["nft", f'add rule bridge lossy p{self.number} ip daddr 239.0.0.0/8 {some}counter packets {self.dropped_before} bytes 0 drop'], check=True)
 
     def dropped(self):
         rules = json.loads(sh(f"nft -j list chain bridge lossy p{self.number}"))["nftables"]
