@@ -14,7 +14,23 @@ bool has_many_speakers(const std::string& name) {
 
 }  // namespace
 
+/// Everybody speaks on STATUS, but each says who he is.
+void LossMeter::take_statuses(const process_status_t& status, Bus& bus) {
+  Sender& sender = statuses_[status.name];
+  ++sender.received;
+  for (const channel_count_t& out : status.outputs) {
+    if (out.channel != channel::kStatus) continue;  // counts those before this one
+    if (sender.pid != status.pid) sender = {status.pid, out.received, 0, 0, sender.lost_before + sender.lost};
+    sender.lost = std::max(sender.lost, out.received - sender.sent - sender.received);
+  }
+  if (!bus.inputs().count(channel::kStatus)) return;
+  std::int64_t lost = 0;
+  for (const auto& [name, one] : statuses_) lost += one.lost_before + one.lost;
+  bus.set_lost(channel::kStatus, lost);
+}
+
 std::vector<std::string> LossMeter::take(const process_status_t& status, Bus& bus) {
+  take_statuses(status, bus);
   std::vector<std::string> more;
   for (const channel_count_t& out : status.outputs) {
     const auto in = bus.inputs().find(out.channel);

@@ -2,7 +2,7 @@
 /// @file How many messages the network lost, exactly: every process says in STATUS how many it has sent, every listener knows how many came.
 ///
 /// A STATUS stands in the listener's queue behind what its sender sent before it, so the difference is what was lost. Only for
-/// channels that one process speaks on; a sender that was restarted is counted anew from its next STATUS.
+/// channels that one process speaks on, and STATUS; a sender that was restarted is counted anew from its next STATUS.
 #pragma once
 #include <map>
 #include <modslam/process_status_t.hpp>
@@ -25,7 +25,10 @@ class LossMeter {
     std::int64_t lost = 0;                ///< since then
     std::int64_t lost_before = 0;         ///< of its earlier lives
   };
+  void take_statuses(const process_status_t& status, Bus& bus);
+
   std::map<std::string, Sender> by_channel_;
+  std::map<std::string, Sender> statuses_;  ///< by process
 };
 
 }  // namespace modslam

@@ -64,10 +64,23 @@ TEST_CASE("a sender that was started again counts anew, and what was lost before
   REQUIRE(listener.lost() == 4);
 }
 
-TEST_CASE("channels that nobody here listens to, or that many speak on, are not counted") {
+TEST_CASE("a STATUS that was lost is counted for its own sender") {
   Listener listener;
   listener.bus.subscribe<process_status_t>("STATUS", [](const process_status_t&) {});
-  for (const char* channel : {"STATUS", "ELSEWHERE"}) {
+  process_status_t other = sender(9, 100, "STATUS");
+  other.name = "odometry";
+  for (const std::int64_t said_before : {0, 1, 2, 5, 6}) {  // two are missing
+    listener.meter.take(sender(1, said_before, "STATUS"), listener.bus);
+    ++other.outputs[0].received;
+    listener.meter.take(other, listener.bus);
+  }
+  REQUIRE(listener.bus.inputs().at("STATUS").lost == 2);
+}
+
+TEST_CASE("channels that nobody here listens to, or that many speak on, are not counted") {
+  Listener listener;
+  listener.bus.subscribe<process_status_t>("COMMAND", [](const process_status_t&) {});
+  for (const char* channel : {"COMMAND", "ELSEWHERE"}) {
     listener.meter.take(sender(1, 0, channel), listener.bus);
     REQUIRE(listener.meter.take(sender(1, 10, channel), listener.bus).empty());
   }
