@@ -98,11 +98,15 @@ class Conductor {
       command.target = name;
       command.verb = "finish";
       bus_.publish(channel::kCommand, command);
-      if (wait(std::min(5.0, end - now_s()), [&] {
-            const auto heard = heard_.find(name);
-            return heard != heard_.end() && heard->second.status.state == process_status_t::FINISHED;
-          }))
-        return true;
+      const bool spoke = wait(std::min(5.0, end - now_s()), [&] {
+        const auto heard = heard_.find(name);
+        return heard != heard_.end() && heard->second.status.state >= process_status_t::TROUBLED;
+      });
+      if (!spoke) continue;
+      const process_status_t& status = heard_[name].status;
+      if (status.state == process_status_t::FINISHED) return true;
+      std::cerr << name << " cannot finish: " << status.words << std::endl;
+      return false;
     }
     std::cerr << name << " has not finished within " << seconds << " s" << std::endl;
     return false;

@@ -241,8 +241,11 @@ make_results() {
   local dir=$1 truth=() world code=0
   world=$("$BIN/modslam-report" --world-of "$dir" 2>/dev/null) || world=""
   if [[ -n $world && -e $HOUSE/config/worlds/$world ]]; then
-    "$BIN/modslam-world-truth" "$HOUSE/config/worlds/$world" "$dir/truth.geojson"
-    truth=(--world-truth "$dir/truth.geojson")
+    if "$BIN/modslam-world-truth" "$HOUSE/config/worlds/$world" "$dir/truth.geojson"; then
+      truth=(--world-truth "$dir/truth.geojson")
+    else
+      rm -f "$dir/truth.geojson"
+    fi
   fi
   "$BIN/modslam-report" "$dir" "${truth[@]}" || code=$?
   "$BIN/modslam-report" --table "$dir" || true

@@ -57,10 +57,11 @@ void take(const std::vector<std::uint8_t>& bytes) {
   Message message{};
   try {
     if (message.decode(bytes.data(), 0, size) != size) return;
-    const int again_size = message.getEncodedSize();  // smaller when a text holds a zero: LCM ends it there
-    std::vector<std::uint8_t> again(static_cast<std::size_t>(again_size));
-    if (again_size > size || message.encode(again.data(), 0, again_size) != again_size) std::abort();
-    if (Message twin{}; twin.decode(again.data(), 0, again_size) != again_size) std::abort();
+    // Less than getEncodedSize() when a text holds a zero: LCM ends it there.
+    std::vector<std::uint8_t> again(static_cast<std::size_t>(message.getEncodedSize()));
+    const int written = message.encode(again.data(), 0, static_cast<int>(again.size()));
+    Message twin{};
+    if (written < 0 || twin.decode(again.data(), 0, written) != written) std::abort();
     convert(message);
   } catch (const BadMessage&) {
   } catch (const std::length_error&) {  // Bus refuses what throws these two
