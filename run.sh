@@ -20,7 +20,9 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
 
   ./run.sh demo [--out DIR] [--set T.K=V]...  drive the simulated Apartment, map it, show what was found
   ./run.sh test [--verbose] [NAME]...         everything that must hold, or some suites of it
-  ./run.sh live [--out DIR]                   the same processes with the drivers of config/modslam.toml, until Ctrl-C
+  ./run.sh live [--out DIR] [--url URL] [--only NAME,NAME]
+                                              the same processes with the drivers of config/modslam.toml, until Ctrl-C;
+                                              --url and --only: several machines share the work (docs/several-machines.md)
   ./run.sh replay LOG [--speed S] [--out DIR] play an LCM log through the processes with lcm-logplayer
   ./run.sh offline LOG --out DIR              the same in one program, as fast as the machine, same bytes every time
   ./run.sh import FILE OUT.lcm [--laser-x M --laser-y M --laser-yaw RAD]
@@ -34,7 +36,8 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
   ./run.sh record OUT.lcm                     lcm-logger on the run that is going on, until Ctrl-C
   ./run.sh spy                                lcm-spy with our message types
   ./run.sh view                               where the page of the run that is going on is
-  ./run.sh status                             processes, rates, latencies; exit code 1 when one is in trouble
+  ./run.sh status                             processes, restarts, rates, losses, latencies; exit code 1 when one is in trouble
+  ./run.sh doctor                             what is wrong with this machine or the run, in plain words
   ./run.sh stop                               stop the run that is going on
   ./run.sh build                              install what is missing and build
 All that start modules take --config FILE and --set table.key=value (repeatable). Results: logs/<run>/ or --out DIR.
@@ -65,6 +68,7 @@ replay() {
   [[ -r $log ]] || die "replay: $log: there is no such file"
   parse_run_options replay "$@"
   check_log "$log"
+  awk "BEGIN {exit !($SPEED > $MOST_UDP_SPEED)}" && BUS=tcp
   start_run ""
   echo "Replaying $log at $SPEED times real time. Page: $(page_url)   Stop: Ctrl-C"
   play_log "$LOG"
@@ -96,7 +100,15 @@ report() { make_results "$(here "${1:?report: which folder?}")"; }
 record() { attach; exec lcm-logger "$(here "${1:?record: which file?}")"; }
 spy() { attach_or_default; exec procs/spy/spy.sh "$BUILD"; }
 view() { attach; page_url; }
-status() { attach; exec "$BIN/modslam-conduct" status; }
+# shellcheck disable=SC2086
+status() { attach; exec "$BIN/modslam-conduct" status --supervisor-log "$OUT/log/supervisord.log" $PROCESSES; }
+# shellcheck disable=SC2086
+doctor() {
+  mkdir -p logs
+  [[ -e $CURRENT ]] || exec "$BIN/modslam-doctor" --no-run --folder "$HOUSE/logs"
+  attach
+  exec "$BIN/modslam-doctor" --folder "$OUT" $PROCESSES
+}
 stop() { stop_current; }
 run_tests() { exec python3 tests/run_all.py "$BUILD" "$@"; }
 
@@ -108,7 +120,7 @@ main() {
     build) ensure_built all ;;
     test) ensure_built all; run_tests "$@" ;;
     bench) bench "$@" ;;
-    demo | live | replay | offline | simulate | evaluate | optimize | report | record | spy | view | status) ensure_built programs; "$verb" "$@" ;;
+    demo | live | replay | offline | simulate | evaluate | optimize | report | record | spy | view | status | doctor) ensure_built programs; "$verb" "$@" ;;
     import) ensure_built programs; import_log "$@" ;;
     *) echo "run.sh: '$verb' is no verb" >&2; help >&2; exit 2 ;;
   esac

@@ -40,6 +40,7 @@ class ViewerModule : public Module {
 
   void tick(std::int64_t steady_us) override {
     now_ms_ = steady_us / 1000;
+    mirror_.tick(steady_us);
     if (steady_us - last_flush_us_ >= flush_every_us_) {
       last_flush_us_ = steady_us;
       flush();
@@ -50,9 +51,14 @@ class ViewerModule : public Module {
     }
   }
 
+  void missed(const std::string& channel) override {
+    if (channel == channel::kNode || channel == channel::kGraph || channel == channel::kMapTile || channel.rfind("SEMANTIC", 0) == 0)
+      mirror_.suspect();  // whoever hears the question says tiles and lists again too
+  }
   std::string words() const override {
     return "http://127.0.0.1:" + std::to_string(server_.port()) +
-           "/, pages open: " + std::to_string(hub_.pages());
+           "/, pages open: " + std::to_string(hub_.pages()) + ", " +
+           std::to_string(mirror_.nodes().size()) + " nodes";
   }
 
  private:

@@ -12,6 +12,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -24,7 +25,9 @@ struct BadMessage : std::runtime_error {
 };
 
 struct ChannelCount {
-  std::int64_t received = 0, bad = 0, gaps = 0;
+  std::int64_t received = 0, bad = 0;
+  std::int64_t gaps = 0;  ///< that a module saw in the numbers of a stream
+  std::int64_t lost = 0;  ///< that the sender counted and we did not (LossMeter)
 };
 
 /// One LCM connection. Not thread-safe.
@@ -32,7 +35,7 @@ class Transport {
  public:
   using RawHandler = std::function<void(const std::string& channel, const void* bytes, int size)>;
 
-  /// @throws std::runtime_error when LCM cannot open the url.
+  /// Waits some seconds for a TCP hub that is just being started. @throws std::runtime_error when LCM cannot open the url.
   explicit Transport(const std::string& url);
   ~Transport();
   Transport(const Transport&) = delete;
@@ -47,7 +50,7 @@ class Transport {
 
  private:
   struct Sink;
-  lcm::LCM lcm_;
+  std::unique_ptr<lcm::LCM> lcm_;
   std::vector<std::unique_ptr<Sink>> sinks_;
   std::exception_ptr error_;
 };
@@ -63,19 +66,29 @@ class Bus {
   template <class Message>
   void subscribe(const std::string& channel, std::function<void(const Message&)> on_message) {
     inputs_[channel];
-    transport_.subscribe(channel, [this, on_message](const std::string& name, const void* bytes,
-                                                     int size) {
-      receive(name, bytes, size, [&] {
+    const Transport::RawHandler handler = [this, on_message](const std::string& name, const void* bytes, int size) {
+      receive(name, [&] {
         Message message{};
         if (message.decode(bytes, 0, size) != size) throw BadMessage("cannot be decoded");
         on_message(message);
       });
+    };
+    handlers_.emplace_back(channel, handler);
+    transport_.subscribe(channel, [this, handler](const std::string& name, const void* bytes, int size) {
+      if (!is_echo(name, bytes, size)) handler(name, bytes, size);
     });
   }
 
-  /// Every message on channels that match the regular expression, undecoded and uncounted.
+  /// Hands a message that this module missed to its handlers, as if it came now. When it does come after all, it is dropped.
+  void deliver(const std::string& channel, const void* bytes, int size);
+  void forget_delivered() { delivered_.clear(); }
+
+  /// Every message on channels that match the regular expression, undecoded.
   void subscribe_bytes(const std::string& channels, Transport::RawHandler on_bytes) {
-    transport_.subscribe(channels, std::move(on_bytes));
+    transport_.subscribe(channels, [this, on_bytes](const std::string& name, const void* bytes, int size) {
+      ++inputs_[name].received;
+      on_bytes(name, bytes, size);
+    });
   }
 
   template <class Message>
@@ -91,6 +104,9 @@ class Bus {
   /// A module tells that `missing` messages of a numbered stream did not arrive.
   void count_gap(const std::string& channel, std::int64_t missing) { inputs_[channel].gaps += missing; }
 
+  /// What LossMeter found.
+  void set_lost(const std::string& channel, std::int64_t lost) { inputs_[channel].lost = lost; }
+
   /// Newest message time seen or published [us]; 0 before the first. Stamps may step back, this does not.
   std::int64_t utime() const { return utime_; }
   void saw_utime(std::int64_t utime) { utime_ = utime > utime_ ? utime : utime_; }
@@ -105,12 +121,14 @@ class Bus {
   std::function<void(const std::function<void()>& handle)> around_handler;
 
  private:
-  void receive(const std::string& channel, const void* bytes, int size,
-               const std::function<void()>& decode_and_handle);
+  void receive(const std::string& channel, const std::function<void()>& decode_and_handle);
+  bool is_echo(const std::string& channel, const void* bytes, int size);
 
   Transport& transport_;
   std::string name_;
   std::map<std::string, ChannelCount> inputs_, outputs_;
+  std::vector<std::pair<std::string, Transport::RawHandler>> handlers_;
+  std::multiset<std::pair<std::string, std::string>> delivered_;  ///< channel and bytes
   std::vector<std::uint8_t> buffer_;
   std::int64_t utime_ = 0;
 };

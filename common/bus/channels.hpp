@@ -14,6 +14,7 @@ inline constexpr const char* kPose = "POSE";
 inline constexpr const char* kNode = "NODE";
 inline constexpr const char* kGraph = "GRAPH";
 inline constexpr const char* kLoop = "LOOP";
+inline constexpr const char* kLoopSearch = "LOOP_SEARCH";
 inline constexpr const char* kSyncRequest = "SYNC_REQUEST";
 inline constexpr const char* kMapTile = "MAP_TILE";
 inline constexpr const char* kWalls = "SEMANTIC_WALLS";

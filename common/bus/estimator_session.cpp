@@ -35,35 +35,83 @@ std::pair<std::size_t, std::size_t> part(const std::vector<T>& list, std::size_t
 
 }  // namespace
 
-EstimatorSession::EstimatorSession(Bus& bus, const EstimatorConfig& config) : bus_(bus), estimator_(config) {
+EstimatorSession::EstimatorSession(Bus& bus, const EstimatorConfig& config, const JournalConfig& journal)
+    : bus_(bus), estimator_(config), journal_(journal, bus.name()) {
+  resume();
   bus.subscribe<sync_request_t>(channel::kSyncRequest, [this](const sync_request_t& m) {
     if (m.from_node < 0) throw BadMessage("from_node " + std::to_string(m.from_node));
-    if (nodes_.empty()) return;
+    if (nodes_.empty() || m.requester == bus_.name()) return;
     resend_from_ = resend_from_ < 0 ? m.from_node : std::min(resend_from_, m.from_node);
   });
+}
+
+void EstimatorSession::resume() {
+  std::optional<EstimatorPast> past = read_estimator_journal(journal_.past(), trouble_);
+  resumed_from_us_ = journal_.last_us();
+  journal_.forget_past();
+  if (!trouble_.empty()) trouble_ = "; its journal cannot be used: " + trouble_;
+  if (!past) return;
+  resumed_ = true;
+  state_ = past->state;
+  nodes_ = std::move(past->nodes);
+  estimator_.resume(std::move(past->memory));
+  for (const LoopProposal& loop : past->loops) loops_seen_.emplace(loop.from, loop.to);
+  bus_.saw_utime(state_.utime);
+}
+
+std::optional<SensorInfo> EstimatorSession::sensor() const {
+  if (nodes_.empty()) return std::nullopt;
+  return to_sensor_info(nodes_.back().sensor);
 }
 
 void EstimatorSession::step(const Scan& scan, const SensorInfo& sensor,
                             const std::vector<MotionMeasurement>& measurements, Verdict verdict) {
   const GraphEstimator::Step step = estimator_.move(measurements);
   bus_.saw_utime(scan.utime);
-  if (step.is_new_node) publish_node(scan, sensor, step.node);
-  publish_changes();
-  publish_pose(scan, step, verdict);
+  state_.utime = scan.utime;
+  put(state_.T_node_base, step.T_node_base);
+  put(state_.covariance, step.covariance);
+  if (step.is_new_node) write_node(scan, sensor, step.node);
+  write_changes();
+  write_pose(scan, step, verdict);
+  send();
 }
 
 LoopFate EstimatorSession::add_loop(const LoopProposal& proposal) {
+  // One that is said twice (its detector was restarted) must not confirm itself.
+  if (!loops_seen_.emplace(proposal.from, proposal.to).second) return LoopFate::kRefused;
   const LoopFate fate = estimator_.add_loop(proposal);
   waiting_ += fate == LoopFate::kWaiting;
   refused_ += fate == LoopFate::kRefused;
-  publish_changes();
+  journal_.write(kLoopRecord, modslam::to_message(proposal, state_.utime, 0));
+  write_changes();
+  send();
   return fate;
+}
+
+template <class Message>
+void EstimatorSession::publish_later(const char* channel, const Message& message, bool into_journal) {
+  Letter letter{channel, std::vector<std::uint8_t>(static_cast<std::size_t>(message.getEncodedSize()))};
+  const int size = static_cast<int>(letter.bytes.size());
+  if (message.encode(letter.bytes.data(), 0, size) != size) throw std::logic_error(std::string("cannot encode a message for ") + channel);
+  if (into_journal) journal_.write(channel, letter.bytes.data(), size);
+  letters_.push_back(std::move(letter));
+}
+
+void EstimatorSession::send() {
+  state_.nnodes = static_cast<std::int64_t>(nodes_.size());
+  state_.epoch = estimator_.epoch();
+  state_.postponed = estimator_.postponed();
+  journal_.write(kEstimatorState, state_);
+  for (const Letter& letter : letters_) bus_.publish_bytes(letter.channel, letter.bytes.data(), static_cast<int>(letter.bytes.size()));
+  letters_.clear();
 }
 
 void EstimatorSession::finish() {
   if (nodes_.empty()) return;
   estimator_.settle(true);
-  publish_changes();
+  write_changes();
+  send();
 }
 
 void EstimatorSession::polish(const RangeNoise& noise, double range_limit_m) {
@@ -77,7 +125,8 @@ void EstimatorSession::polish(const RangeNoise& noise, double range_limit_m) {
   }
   estimator_.polish(measure_overlaps(std::move(nodes)));
   polished_size_ = size;
-  publish_changes();
+  write_changes();
+  send();
 }
 
 void EstimatorSession::tick() {
@@ -90,10 +139,11 @@ void EstimatorSession::tick() {
   GraphChanges all;
   all.added = estimator_.graph().edges;
   for (std::size_t k = 0; k < nodes_.size(); ++k) all.moved.push_back(static_cast<NodeId>(k));
-  publish_update(all, true);
+  write_update(all, true);
+  send();
 }
 
-void EstimatorSession::publish_node(const Scan& scan, const SensorInfo& sensor, NodeId id) {
+void EstimatorSession::write_node(const Scan& scan, const SensorInfo& sensor, NodeId id) {
   graph_node_t message{};
   message.utime = scan.utime;
   message.id = id;
@@ -101,13 +151,13 @@ void EstimatorSession::publish_node(const Scan& scan, const SensorInfo& sensor, 
   message.sensor = to_message(sensor, scan.utime);
   message.scan = to_message(scan);
   nodes_.push_back(message);
-  bus_.publish(channel::kNode, message);
+  publish_later(channel::kNode, message, true);
 }
 
-void EstimatorSession::publish_pose(const Scan& scan, const GraphEstimator::Step& step, Verdict verdict) {
+void EstimatorSession::write_pose(const Scan& scan, const GraphEstimator::Step& step, Verdict verdict) {
   pose_estimate_t message{};
   message.utime = scan.utime;
-  message.seq = pose_seq_++;
+  message.seq = state_.pose_seq++;
   message.epoch = estimator_.epoch();
   put(message.T_map_base, step.T_map_base);
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
@@ -116,23 +166,23 @@ void EstimatorSession::publish_pose(const Scan& scan, const GraphEstimator::Step
   message.verdict = static_cast<std::int8_t>(verdict);
   message.node_id = step.node;
   put(message.T_node_base, step.T_node_base);
-  bus_.publish(channel::kPose, message);
+  publish_later(channel::kPose, message, false);
 }
 
-void EstimatorSession::publish_changes() {
+void EstimatorSession::write_changes() {
   const GraphChanges changes = estimator_.take_changes();
   if (changes.empty()) return;
-  ++graph_seq_;
-  publish_update(changes, false);
+  ++state_.graph_seq;
+  write_update(changes, false);
 }
 
-void EstimatorSession::publish_update(const GraphChanges& changes, bool snapshot) {
+void EstimatorSession::write_update(const GraphChanges& changes, bool snapshot) {
   const std::size_t chunks = std::max<std::size_t>(
       {1, (changes.added.size() + kEdgesPerChunk - 1) / kEdgesPerChunk, (changes.moved.size() + kPosesPerChunk - 1) / kPosesPerChunk});
   for (std::size_t k = 0; k < chunks; ++k) {
     graph_update_t message{};
     message.utime = nodes_.back().utime;
-    message.seq = graph_seq_;
+    message.seq = state_.graph_seq;
     message.epoch = estimator_.epoch();
     message.snapshot = snapshot;
     message.chunk = static_cast<std::int32_t>(k);
@@ -151,14 +201,15 @@ void EstimatorSession::publish_update(const GraphChanges& changes, bool snapshot
     message.nedges = static_cast<std::int32_t>(message.edges.size());
     message.nretracted = static_cast<std::int32_t>(message.retracted.size());
     message.nposes = static_cast<std::int32_t>(message.poses.size());
-    bus_.publish(channel::kGraph, message);
+    publish_later(channel::kGraph, message, !snapshot);
   }
 }
 
 std::string EstimatorSession::words() const {
-  return std::to_string(pose_seq_) + " poses, " + std::to_string(nodes_.size()) + " nodes, " +
+  return std::to_string(state_.pose_seq) + " poses, " + std::to_string(nodes_.size()) + " nodes, " +
          std::to_string(estimator_.accepted()) + " loops accepted, " + std::to_string(refused_) + " refused, " +
-         std::to_string(estimator_.retracted()) + " retracted";
+         std::to_string(estimator_.retracted()) + " retracted" + trouble_ +
+         (journal_.trouble().empty() ? "" : "; " + journal_.trouble());
 }
 
 LoopProposal to_loop(const loop_closure_t& message) {

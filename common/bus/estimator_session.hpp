@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file What every estimator does on the bus: POSE for each scan, NODE when the robot has moved enough, GRAPH for what changed,
 /// and the answer to SYNC_REQUEST. Estimators differ only in the measurements that they feed in.
+///
+/// What it says about the graph goes into its journal first; a session that finds a journal goes on where that one ends.
 #pragma once
-#include <deque>
 #include <modslam/graph_node_t.hpp>
 #include <modslam/graph_update_t.hpp>
 #include <modslam/loop_closure_t.hpp>
+#include <optional>
+#include <set>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/estimator_journal.hpp"
 #include "common/graph/estimator.hpp"
 #include "common/matching/oriented_points.hpp"
 #include "common/scan/scan.hpp"
@@ -16,7 +20,17 @@ namespace modslam {
 
 class EstimatorSession {
  public:
-  EstimatorSession(Bus& bus, const EstimatorConfig& config);
+  EstimatorSession(Bus& bus, const EstimatorConfig& config, const JournalConfig& journal = {});
+
+  /// Where the sources said the robot was at the newest scan: kept in the journal for whoever feeds the session. Set before step().
+  estimator_state_t& tracking() { return state_; }
+  const estimator_state_t& state() const { return state_; }
+  /// Whether it goes on from a journal; tracking() then holds what was set in the life before.
+  bool resumed() const { return resumed_; }
+  /// [us] of wall time when the life before wrote its last record.
+  std::int64_t resumed_from_us() const { return resumed_from_us_; }
+  /// Mount of the laser at the newest node.
+  std::optional<SensorInfo> sensor() const;
 
   /// One scan further; see GraphEstimator::move.
   void step(const Scan& scan, const SensorInfo& sensor, const std::vector<MotionMeasurement>& measurements,
@@ -33,15 +47,31 @@ class EstimatorSession {
   std::string words() const;
 
  private:
-  void publish_node(const Scan& scan, const SensorInfo& sensor, NodeId id);
-  void publish_pose(const Scan& scan, const GraphEstimator::Step& step, Verdict verdict);
-  void publish_changes();
-  void publish_update(const GraphChanges& changes, bool snapshot);
+  struct Letter {  ///< written, not sent yet
+    const char* channel;
+    std::vector<std::uint8_t> bytes;
+  };
+  template <class Message>
+  void publish_later(const char* channel, const Message& message, bool into_journal);
+  void write_node(const Scan& scan, const SensorInfo& sensor, NodeId id);
+  void write_pose(const Scan& scan, const GraphEstimator::Step& step, Verdict verdict);
+  void write_changes();
+  void write_update(const GraphChanges& changes, bool snapshot);
+  /// Completes what was written with the present state in the journal, then sends it.
+  void send();
+  void resume();
 
   Bus& bus_;
   GraphEstimator estimator_;
+  Journal journal_;
+  std::vector<Letter> letters_;
+  estimator_state_t state_{};
+  bool resumed_ = false;
+  std::int64_t resumed_from_us_ = 0;
+  std::string trouble_;
+  std::set<std::pair<NodeId, NodeId>> loops_seen_;
   std::vector<graph_node_t> nodes_;
-  std::int64_t pose_seq_ = 0, graph_seq_ = 0, waiting_ = 0, refused_ = 0;
+  std::int64_t waiting_ = 0, refused_ = 0;
   std::int64_t polished_size_ = 0;  ///< nodes and loops at the last polish
   NodeId resend_from_ = -1;  ///< -1: nobody asked
 };

@@ -10,24 +10,12 @@ namespace modslam {
 namespace {
 
 constexpr std::int64_t kRequestEvery_us = 500'000;
+constexpr std::int64_t kAskAgainEvery_us = 300'000, kAskSeldom_us = 2'000'000;  // of wall time; nobody answers: seldom
+constexpr int kPatience = 3;
 constexpr NodeId kMaxNodes = 10'000'000;
 
 void check_node(NodeId id) {
   if (id < 0 || id > kMaxNodes) throw BadMessage("node id " + std::to_string(id));
-}
-
-GraphEdge to_edge(const graph_edge_t& message) {
-  check_node(message.from_node);
-  check_node(message.to_node);
-  if (message.from_node == message.to_node) throw BadMessage("an edge from node " + std::to_string(message.to_node) + " to itself");
-  GraphEdge edge;
-  edge.id = message.id;
-  edge.from = message.from_node;
-  edge.to = message.to_node;
-  edge.kind = message.kind == graph_edge_t::LOOP ? EdgeKind::kLoop : EdgeKind::kSequence;
-  edge.T_from_to = to_pose(message.T_from_to);
-  edge.information = to_symmetric(message.information);
-  return edge;
 }
 
 /// Refuses the whole message before any part of it is taken in.
@@ -44,6 +32,20 @@ void check(const graph_update_t& message) {
 
 }  // namespace
 
+GraphEdge to_edge(const graph_edge_t& message) {
+  check_node(message.from_node);
+  check_node(message.to_node);
+  if (message.from_node == message.to_node) throw BadMessage("an edge from node " + std::to_string(message.to_node) + " to itself");
+  GraphEdge edge;
+  edge.id = message.id;
+  edge.from = message.from_node;
+  edge.to = message.to_node;
+  edge.kind = message.kind == graph_edge_t::LOOP ? EdgeKind::kLoop : EdgeKind::kSequence;
+  edge.T_from_to = to_pose(message.T_from_to);
+  edge.information = to_symmetric(message.information);
+  return edge;
+}
+
 GraphMirror::GraphMirror(Bus& bus) : bus_(bus) {
   bus.subscribe<graph_node_t>(channel::kNode, [this](const graph_node_t& m) { take_node(m); });
   bus.subscribe<graph_update_t>(channel::kGraph, [this](const graph_update_t& m) { take_update(m); });
@@ -53,6 +55,14 @@ GraphMirror::GraphMirror(Bus& bus) : bus_(bus) {
 
 bool GraphMirror::complete() const {
   return early_nodes_.empty() && announced_nodes_ <= static_cast<NodeId>(nodes_.size()) && seq_ >= newest_seq_;
+}
+
+void GraphMirror::tick(std::int64_t steady_us) {
+  if (steady_us - last_request_us_ < (unanswered_ < kPatience ? kAskAgainEvery_us : kAskSeldom_us)) return;
+  if (heard_ && complete() && !suspicious_) return;
+  last_request_us_ = steady_us;
+  unanswered_ += !heard_;
+  request(true);
 }
 
 void GraphMirror::take_node(const graph_node_t& message) {
@@ -84,6 +94,8 @@ void GraphMirror::append_ready_nodes() {
 void GraphMirror::take_update(const graph_update_t& message) {
   check(message);
   bus_.saw_utime(message.utime);
+  heard_ = true;
+  if (message.snapshot) suspicious_ = false;
   newest_seq_ = std::max(newest_seq_, message.seq);
   announced_nodes_ = std::max(announced_nodes_, message.nnodes);
   // A snapshot of what is already here repairs nobody: skip it. An old update is an echo.

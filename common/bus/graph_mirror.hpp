@@ -19,6 +19,9 @@
 
 namespace modslam {
 
+/// @throws BadMessage on impossible nodes or values that are not finite.
+GraphEdge to_edge(const graph_edge_t& message);
+
 struct MirrorNode {
   NodeId id = 0;
   std::int64_t utime = 0;
@@ -46,6 +49,12 @@ class GraphMirror {
   std::int64_t epoch() const { return epoch_; }
   /// Nothing is known to be missing.
   bool complete() const;
+  /// complete(), and somebody has told what there is (or nobody answered for a while).
+  bool settled() const { return complete() && (heard_ || unanswered_ > 2); }
+  /// With a steady clock, often: asks again while something is missing, also when nobody says anything more.
+  void tick(std::int64_t steady_us);
+  /// Something on NODE or GRAPH was lost that no later message told of.
+  void suspect() { suspicious_ = true; }
 
  private:
   void take_node(const graph_node_t& message);
@@ -66,7 +75,9 @@ class GraphMirror {
   std::int64_t seq_ = 0, newest_seq_ = 0, epoch_ = 0;
   NodeId announced_nodes_ = 0;
   NodeId counted_nodes_ = 0;  ///< gaps below this one are in the status already
-  std::int64_t last_request_utime_ = 0;
+  std::int64_t last_request_utime_ = 0, last_request_us_ = 0;
+  bool heard_ = false, suspicious_ = false;
+  int unanswered_ = 0;
 };
 
 }  // namespace modslam

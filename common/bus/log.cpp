@@ -33,7 +33,7 @@ void append_big_endian(std::string& out, std::uint64_t value, int count) {
 
 }  // namespace
 
-LogReader::LogReader(const std::string& path) {
+LogReader::LogReader(const std::string& path, std::size_t last_bytes) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     throw std::runtime_error(path + ": there is no such file");
@@ -41,7 +41,10 @@ LogReader::LogReader(const std::string& path) {
   errno = 0;
   std::ifstream in(path, std::ios::binary);
   if (!in) fail(path, "cannot be opened");
-  file_.resize(std::filesystem::file_size(path));
+  const std::size_t size = std::filesystem::file_size(path);
+  file_.resize(std::min(size, last_bytes));
+  tail_ = file_.size() < size;
+  in.seekg(static_cast<std::streamoff>(size - file_.size()));
   in.read(file_.data(), static_cast<std::streamsize>(file_.size()));
   if (in.gcount() != static_cast<std::streamsize>(file_.size())) fail(path, "cannot be read");
   LogEvent event;

@@ -20,9 +20,12 @@ struct LogEvent {
 class LogReader {
  public:
   /// @throws std::runtime_error when the file is missing, unreadable, empty or holds no event at all.
-  explicit LogReader(const std::string& path);
+  /// @param last_bytes reads only so much of its end, from the first whole event in it.
+  explicit LogReader(const std::string& path, std::size_t last_bytes = static_cast<std::size_t>(-1));
   /// @return false at the end.
   bool next(LogEvent& event);
+  /// Whether only the end of the file was read.
+  bool is_tail() const { return tail_; }
   std::int64_t skipped_bytes() const { return skipped_bytes_; }
   /// "" or e.g. "skipped 812 bytes in 2 places, first at byte 40960".
   std::string damage() const;
@@ -30,6 +33,7 @@ class LogReader {
  private:
   bool parse(std::size_t at, LogEvent& event, std::size_t& end) const;
   std::vector<char> file_;
+  bool tail_ = false;
   std::size_t at_ = 0;
   std::int64_t skipped_bytes_ = 0, skipped_places_ = 0, first_skip_ = 0;
 };

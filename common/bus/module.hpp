@@ -3,12 +3,23 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace modslam {
 
 class Bus;
 struct SystemConfig;
+
+/// What a module that goes on after it was killed has missed: everything on `channels` behind its last message. The host finds it in the
+/// run's log.
+struct Resumption {
+  std::vector<std::string> channels;
+  std::string last_channel;   ///< the one whose messages drive the module
+  std::int64_t last_utime;    ///< [us] of the last message on it that was handled
+  std::int64_t last_wall_us;  ///< [us] wall time of that
+};
 
 class Module {
  public:
@@ -29,6 +40,15 @@ class Module {
 
   /// True when the module cannot do its work; then words() says why.
   virtual bool troubled() const { return false; }
+
+  /// Something when the module goes on where an earlier life of it was killed.
+  virtual std::optional<Resumption> resumption() const { return std::nullopt; }
+
+  /// False while it is known that messages are missing which can still come: the end of the input waits for them, for some seconds.
+  virtual bool complete() const { return true; }
+
+  /// The network lost a message on `channel` on its way to this module.
+  virtual void missed(const std::string& channel) { (void)channel; }
 
   /// One line for people about what the module is doing.
   virtual std::string words() const { return {}; }

@@ -19,8 +19,10 @@
 #include <modslam/parameters_t.hpp>
 #include <modslam/process_status_t.hpp>
 
+#include "common/bus/catch_up.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/config.hpp"
+#include "common/bus/loss_meter.hpp"
 
 namespace modslam {
 namespace {
@@ -65,16 +67,23 @@ class Host {
         status_(bus_, *module_) {
     bus_.on_bad = [this](const std::string& channel, const std::string& why) { say_bad(channel, why); };
     bus_.around_handler = [this](const std::function<void()>& handle) { time_handler(handle); };
+    transport_.subscribe(channel::kStatus, [this](const std::string&, const void* bytes, int size) { on_status(bytes, size); });
     bus_.subscribe<command_t>(channel::kCommand, [this](const command_t& m) { on_command(m); });
   }
 
   void run() {
     publish_parameters();
     status_.publish(state(), true);
+    catch_up();
     while (!stop_requested) {
       transport_.poll(5);
       const std::int64_t now_us = steady_us();
       module_->tick(now_us);
+      if (finish_by_us_ != 0 && (module_->complete() || now_us > finish_by_us_)) finish();
+      if (delivered_until_us_ != 0 && now_us > delivered_until_us_) {
+        bus_.forget_delivered();
+        delivered_until_us_ = 0;
+      }
       if (now_us - last_status_us_ >= 1'000'000 || state() != published_state_) {
         published_state_ = state();
         last_status_us_ = now_us;
@@ -90,13 +99,42 @@ class Host {
     return finished_ || module_->ended() ? process_status_t::FINISHED : process_status_t::RUNNING;
   }
 
+  /// Who lost what: the counts of all others against our own.
+  void on_status(const void* bytes, int size) {
+    process_status_t status{};
+    try {
+      if (status.decode(bytes, 0, size) != size || status.name == bus_.name()) return;
+    } catch (const std::exception&) {  // a wild array length
+      return;
+    }
+    for (const std::string& channel : losses_.take(status, bus_)) module_->missed(channel);
+  }
+
   void on_command(const command_t& command) {
     if (!command.target.empty() && command.target != bus_.name()) return;
     if (command.verb == "parameters") return publish_parameters();
     if (command.verb != "finish") throw BadMessage("unknown verb '" + command.verb + "'");
+    finish_by_us_ = steady_us() + kFinishPatience_us;
+    finished_ = false;
+  }
+
+  void finish() {
+    finish_by_us_ = 0;
     module_->finish();
     finished_ = true;
     status_.publish(state(), true);
+  }
+
+  /// A module that goes on where an earlier life was killed gets what it missed, from the run's log.
+  void catch_up() {
+    const std::optional<Resumption> resumption = module_->resumption();
+    if (!resumption) return;
+    const Missed missed = read_missed(config_.recorder.path, *resumption, bus_.name(), getpid(), kCatchUpPatience_ms,
+                                      [this] { status_.publish(state(), true); });
+    for (const LogEvent& event : missed.events) bus_.deliver(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
+    delivered_until_us_ = steady_us() + kEchoes_us;
+    std::cerr << bus_.name() << ": goes on after a restart; " << missed.events.size() << " messages since the last one were found in the log"
+              << (missed.to_the_end ? "" : ", which does not reach up to now") << std::endl;
   }
 
   void publish_parameters() {
@@ -125,7 +163,12 @@ class Host {
   Bus bus_;
   std::unique_ptr<Module> module_;
   StatusReporter status_;
+  LossMeter losses_;
+  static constexpr std::int64_t kFinishPatience_us = 10'000'000, kEchoes_us = 5'000'000;
+  static constexpr int kCatchUpPatience_ms = 1500;
   bool finished_ = false;
+  std::int64_t finish_by_us_ = 0;       ///< not 0: told to finish, waits for what is missing
+  std::int64_t delivered_until_us_ = 0;  ///< not 0: messages from the log may come a second time
   int published_state_ = -1;
   std::int64_t last_status_us_ = 0, last_bad_us_ = 0;
 };
@@ -148,7 +191,7 @@ void StatusReporter::publish(int state, bool measured) {
       c.channel = name;
       c.received = count.received;
       c.bad = count.bad;
-      c.gaps = count.gaps;
+      c.gaps = std::max(count.gaps, count.lost);
       list.push_back(c);
     }
     return list;

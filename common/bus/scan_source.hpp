@@ -23,6 +23,8 @@ class ScanSource {
   ScanSource(Bus& bus, const std::string& pose_channel,
              std::function<void(const Scan&, const Pose2& T_odom_base)> on_scan);
 
+  /// For a process that goes on after a restart: the mount that was in force.
+  void set_sensor(const SensorInfo& sensor) { sensor_ = sensor; }
   /// Hands on every scan that still waits: no more odometry will come.
   void flush();
   const SensorInfo& sensor() const { return sensor_; }

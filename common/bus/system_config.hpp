@@ -3,6 +3,7 @@
 #pragma once
 #include <string>
 
+#include "common/bus/journal.hpp"
 #include "common/config/viewer.hpp"
 #include "common/config/visitor.hpp"
 #include "common/graph/estimator.hpp"
@@ -25,6 +26,7 @@ struct LaunchConfig {
   bool loops = true;
   bool semantics = true;
   bool viewer = true;
+  bool lockstep = false;
 
   void visit(ConfigVisitor& v) {
     v.choice("estimator", estimator, {"graph_optimizer", "odometry", "ground_truth"},
@@ -32,6 +34,7 @@ struct LaunchConfig {
     v.flag("loops", loops, "Start the loop detector.");
     v.flag("semantics", semantics, "Start the semantic classifier.");
     v.flag("viewer", viewer, "Start the viewer (a web page on 127.0.0.1).");
+    v.flag("lockstep", lockstep, "The estimator waits for the loop detector after each node; run.sh sets it for fast replays.");
   }
 };
 
@@ -52,6 +55,7 @@ struct SystemConfig {
   MapBuilderConfig map_builder;
   SemanticsConfig semantics;
   RecorderConfig recorder;
+  JournalConfig journal;
   ViewerConfig viewer;
   SimulatorConfig simulator;
   LaserConfig laser;
@@ -69,6 +73,7 @@ struct SystemConfig {
     visit(map_builder);
     visit(semantics);
     visit(recorder);
+    visit(journal);
     visit(viewer);
     visit(simulator);
     visit(laser);

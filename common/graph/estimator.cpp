@@ -75,6 +75,21 @@ std::vector<const GraphEdge*> GraphEstimator::edges() const {
   return out;
 }
 
+void GraphEstimator::resume(EstimatorMemory memory) {
+  graph_ = std::move(memory.graph);
+  published_poses_ = graph_.poses;
+  next_edge_ = memory.next_edge;
+  T_node_base_ = memory.T_node_base;
+  cov_node_base_ = memory.cov_node_base;
+  waiting_ = std::move(memory.waiting);
+  while (waiting_.size() > kMaxWaiting) waiting_.pop_front();
+  postponed_ = memory.postponed;
+  epoch_ = memory.epoch;
+  accepted_ = memory.accepted;
+  retracted_ = memory.retracted;
+  changes_ = GraphChanges();
+}
+
 LoopFate GraphEstimator::add_loop(const LoopProposal& loop) {
   const auto count = static_cast<NodeId>(graph_.poses.size());
   if (!is_usable(loop.verdict) || loop.from < 0 || loop.to < 0 || loop.from >= count || loop.to >= count || loop.from == loop.to)

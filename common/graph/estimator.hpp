@@ -59,6 +59,16 @@ struct GraphChanges {
   bool empty() const { return added.empty() && retracted.empty() && moved.empty(); }
 };
 
+/// What an estimator knows beyond its configuration: enough to go on after the process was killed.
+struct EstimatorMemory {
+  PoseGraph graph;
+  EdgeId next_edge = 0;
+  Pose2 T_node_base;                                        ///< since the newest node
+  Eigen::Matrix3d cov_node_base = Eigen::Matrix3d::Zero();  ///< of it
+  std::deque<LoopProposal> waiting;                         ///< for others that confirm them
+  std::int64_t postponed = 0, epoch = 0, accepted = 0, retracted = 0;
+};
+
 class GraphEstimator {
  public:
   explicit GraphEstimator(const EstimatorConfig& config) : config_(config), random_(static_cast<std::uint64_t>(config.seed)) {}
@@ -79,11 +89,15 @@ class GraphEstimator {
   /// Moves the nodes to where all edges together with these measurements want them; the measurements are not kept.
   void polish(const std::vector<GraphEdge>& overlaps);
 
+  /// Goes on from what another estimator of the same configuration knew. A sampled proposal draws other numbers than it would have.
+  void resume(EstimatorMemory memory);
+
   GraphChanges take_changes();
   const PoseGraph& graph() const { return graph_; }
   /// Edges in force by pointer, in order of id.
   std::vector<const GraphEdge*> edges() const;
   std::int64_t epoch() const { return epoch_; }
+  std::int64_t postponed() const { return postponed_; }
   std::int64_t accepted() const { return accepted_; }
   std::int64_t retracted() const { return retracted_; }
 

@@ -68,6 +68,8 @@ class LoopDetector {
   bool wants_to_look() const { return !nodes_.empty() && way_m_.back() - last_look_m_ >= config_.cooldown_m; }
   /// Looks for loops of the newest node. @param edges the graph as it is now.
   std::vector<LoopProposal> detect(const std::vector<const GraphEdge*>& edges);
+  /// An earlier life of this detector looked at the newest node already.
+  void resume_after_newest() { last_look_m_ = way_m_.back(); }
   void clear();
 
  private:

@@ -14,7 +14,7 @@ namespace {
 constexpr double kPointSpacing_m = 0.03;
 constexpr double kBlur_m = 0.06;              // of the correlative grid
 constexpr int kSearchPoints = 120;            // used by the correlative search
-constexpr double kWideWindow_m = 0.8, kWideWindow_rad = 0.6;  // second look at a doubtful match
+constexpr double kWideWindow_m = 0.8, kWideWindow_rad = 0.9;  // second look at a doubtful match
 constexpr double kSuspiciousInnovation = 16.27;               // chi2, 3 degrees of freedom, 99.9 %
 constexpr double kExpectedInnovation = 11.34;                 // the same, 99 %
 constexpr double kFullOverlap = 0.75;
@@ -35,9 +35,20 @@ std::vector<Eigen::Vector2d> thin_out(const std::vector<OrientedPoint>& points, 
 
 }  // namespace
 
+std::vector<OrientedPoint> ScanMatcher::points_of(const Scan& scan, const SensorInfo& sensor) const {
+  return orient(scan, sensor, {config_.sigma_range_m, 1e-3}, config_.range_limit_m, is_scan_to_scan() ? 0.0 : kPointSpacing_m);
+}
+
+void ScanMatcher::resume(const std::vector<PlacedScan>& local_map, const Pose2& T_track_base, int failures) {
+  for (const PlacedScan& placed : local_map)
+    add_keyframe({placed.T_track_base, points_of(placed.scan, placed.sensor), placed.sensor.T_base_laser.translation()});
+  T_track_base_ = T_track_base;
+  failures_ = failures;
+  started_ = !local_map.empty();
+}
+
 ScanMatch ScanMatcher::match(const Scan& scan, const SensorInfo& sensor, const Pose2& motion) {
-  const std::vector<OrientedPoint> points =
-      orient(scan, sensor, {config_.sigma_range_m, 1e-3}, config_.range_limit_m, is_scan_to_scan() ? 0.0 : kPointSpacing_m);
+  const std::vector<OrientedPoint> points = points_of(scan, sensor);
   ScanMatch match;
   if (!started_) {
     started_ = true;
@@ -186,7 +197,12 @@ void ScanMatcher::update_submap(const std::vector<OrientedPoint>& points, const 
     keyframes_.clear();  // nothing in it can be recognised any more: a new piece of map begins here
     failures_ = 0;
   }
-  keyframes_.push_back({match.T_track_base, points, sensor.T_base_laser.translation()});
+  add_keyframe({match.T_track_base, points, sensor.T_base_laser.translation()});
+}
+
+void ScanMatcher::add_keyframe(Keyframe keyframe) {
+  ++joined_;
+  keyframes_.push_back(std::move(keyframe));
   while (static_cast<std::int64_t>(keyframes_.size()) > config_.keyframes) keyframes_.pop_front();
   std::vector<const Keyframe*> all;
   for (const Keyframe& keyframe : keyframes_) all.push_back(&keyframe);

@@ -65,6 +65,19 @@ class ScanMatcher {
   /// @param motion odometry since the last scan, in that scan's robot frame. Ignored for the first scan.
   ScanMatch match(const Scan& scan, const SensorInfo& sensor, const Pose2& motion);
 
+  /// Scans in the local map.
+  std::size_t keyframes() const { return keyframes_.size(); }
+  /// Counts the scans that ever joined the local map: it grew when the last one did.
+  std::int64_t joined() const { return joined_; }
+  int failures() const { return failures_; }
+  /// Goes on where another matcher of the same configuration stood: its local map, oldest scan first, and its pose.
+  struct PlacedScan {
+    Scan scan;
+    SensorInfo sensor;
+    Pose2 T_track_base;
+  };
+  void resume(const std::vector<PlacedScan>& local_map, const Pose2& T_track_base, int failures);
+
  private:
   struct Attempt {
     RefineResult fit;
@@ -81,6 +94,8 @@ class ScanMatcher {
   bool is_scan_to_scan() const { return config_.method == "pfister"; }
   Verdict judge(const Attempt& attempt) const;
   double free_violation(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const Pose2& T) const;
+  std::vector<OrientedPoint> points_of(const Scan& scan, const SensorInfo& sensor) const;
+  void add_keyframe(Keyframe keyframe);
   void update_submap(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const ScanMatch& match);
 
   ScanMatcherConfig config_;
@@ -90,6 +105,7 @@ class ScanMatcher {
   Pose2 T_track_base_;
   bool started_ = false;
   int failures_ = 0;  ///< in a row
+  std::int64_t joined_ = 0;
 };
 
 }  // namespace modslam

@@ -6,7 +6,7 @@ namespace modslam {
 void OdometryBuffer::add(std::int64_t utime, const Pose2& T_odom_base) {
   if (!entries_.empty() && utime <= entries_.back().utime) ++backward_steps_;
   entries_.push_back({utime, T_odom_base});
-  if (entries_.size() > kKept) entries_.pop_front();
+  if (entries_.size() > kept_) entries_.pop_front();
 }
 
 std::optional<Pose2> OdometryBuffer::at(std::int64_t utime) const {

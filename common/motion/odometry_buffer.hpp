@@ -13,6 +13,7 @@ namespace modslam {
 /// from the newest end.
 class OdometryBuffer {
  public:
+  explicit OdometryBuffer(std::size_t kept = 400) : kept_(kept) {}
   void add(std::int64_t utime, const Pose2& T_odom_base);
   /// Interpolated pose at `utime`; nothing when the buffer does not reach that far (yet).
   std::optional<Pose2> at(std::int64_t utime) const;
@@ -27,7 +28,7 @@ class OdometryBuffer {
     std::int64_t utime;
     Pose2 pose;
   };
-  static constexpr std::size_t kKept = 400;
+  std::size_t kept_;
   std::deque<Entry> entries_;
   std::int64_t backward_steps_ = 0;
 };

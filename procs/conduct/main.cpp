@@ -3,12 +3,10 @@
 ///   up NAME...      waits until each process has spoken
 ///   ended NAME      waits until that process says FINISHED (a simulated route has ended)
 ///   settle NAME...  tells each in turn that the input has ended and waits for its FINISHED
-///   status          listens for a moment and prints a table; exit code 1 when somebody is in trouble
+///   status NAME...  listens for a moment and prints a table; exit code 1 when somebody is in trouble or silent
 /// A COMMAND stands in each process's queue behind the messages sent before it, so FINISHED means: all of those are handled.
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <csignal>
-#include <iomanip>
 #include <iostream>
 #include <map>
 #include <modslam/command_t.hpp>
@@ -17,6 +15,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/process.hpp"
+#include "procs/conduct/status_table.hpp"
 
 namespace modslam {
 namespace {
@@ -25,18 +24,17 @@ double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-struct Heard {
-  process_status_t status;
-  double at_s;
-  int count;
-};
-
 class Conductor {
  public:
   explicit Conductor(const std::string& url) : transport_(url), bus_(transport_, "conduct") {
     bus_.subscribe<process_status_t>(channel::kStatus, [this](const process_status_t& m) {
       Heard& heard = heard_[m.name];
-      heard = {m, now_s(), heard.count + 1};
+      if (heard.count++ == 0 || heard.status.pid != m.pid) {
+        heard.first = m;
+        heard.first_s = now_s();
+      }
+      heard.status = m;
+      heard.at_s = now_s();
     });
   }
 
@@ -71,7 +69,28 @@ class Conductor {
     });
   }
 
-  bool settle(const std::string& name, double seconds) {
+  /// Until the process has got nothing new for a while: behind a TCP hub a command overtakes what others have sent.
+  void drain(const std::string& name, double seconds) {
+    const auto received = [&] {
+      std::int64_t sum = 0;
+      const auto heard = heard_.find(name);
+      if (heard == heard_.end()) return sum;
+      for (const channel_count_t& in : heard->second.status.inputs)
+        if (in.channel != channel::kStatus && in.channel != channel::kCommand) sum += in.received;
+      return sum;
+    };
+    const double end = now_s() + seconds;
+    std::int64_t last = -1;
+    for (int same = 0; same < 2 && now_s() < end;) {
+      const int count = heard_[name].count;
+      wait(2.0, [&] { return heard_[name].count > count; });
+      same = received() == last ? same + 1 : 0;
+      last = received();
+    }
+  }
+
+  bool settle(const std::string& name, double seconds, bool drained) {
+    if (drained) drain(name, seconds);
     const double end = now_s() + seconds;
     while (now_s() < end) {  // a command may be lost too: say it again every five seconds
       heard_.erase(name);
@@ -79,40 +98,27 @@ class Conductor {
       command.target = name;
       command.verb = "finish";
       bus_.publish(channel::kCommand, command);
-      if (wait(std::min(5.0, end - now_s()), [&] {
-            const auto heard = heard_.find(name);
-            return heard != heard_.end() && heard->second.status.state == process_status_t::FINISHED;
-          }))
-        return true;
+      const bool spoke = wait(std::min(5.0, end - now_s()), [&] {
+        const auto heard = heard_.find(name);
+        return heard != heard_.end() && heard->second.status.state >= process_status_t::TROUBLED;
+      });
+      if (!spoke) continue;
+      const process_status_t& status = heard_[name].status;
+      if (status.state == process_status_t::FINISHED) return true;
+      std::cerr << name << " cannot finish: " << status.words << std::endl;
+      return false;
     }
     std::cerr << name << " has not finished within " << seconds << " s" << std::endl;
     return false;
   }
 
-  int print_status(double seconds) {
+  int print_status(double seconds, const std::vector<std::string>& expected, const std::string& supervisor_log) {
     wait(seconds, [] { return false; });
     if (heard_.empty()) {
       std::cerr << "no process has spoken within " << seconds << " s: is a run going on?" << std::endl;
       return 1;
     }
-    bool well = true;
-    std::cout << std::left << std::setw(22) << "process" << std::setw(10) << "state" << std::right << std::setw(8) << "pid"
-              << std::setw(10) << "in" << std::setw(8) << "bad" << std::setw(8) << "gaps" << std::setw(10) << "p50 ms"
-              << std::setw(10) << "p99 ms" << std::setw(9) << "MB" << "  what it says\n";
-    for (const auto& [name, heard] : heard_) {
-      const process_status_t& s = heard.status;
-      static const char* const kStates[] = {"?", "running", "TROUBLE", "finished", "stopped"};
-      std::int64_t in = 0, bad = 0, gaps = 0;
-      for (const auto& c : s.inputs) in += c.received, bad += c.bad, gaps += c.gaps;
-      well = well && s.state != process_status_t::TROUBLED;
-      std::cout << std::left << std::setw(22) << name << std::setw(10)
-                << (s.state >= 0 && s.state <= 4 ? kStates[s.state] : "?") << std::right << std::setw(8) << s.pid
-                << std::setw(10) << in << std::setw(8) << bad << std::setw(8) << gaps << std::fixed << std::setprecision(2)
-                << std::setw(10) << 1e-3 * static_cast<double>(s.latency_p50_us) << std::setw(10)
-                << 1e-3 * static_cast<double>(s.latency_p99_us) << std::setw(9) << std::setprecision(1)
-                << static_cast<double>(s.memory_kb) / 1024 << "  " << s.words << "\n";
-    }
-    return well ? 0 : 1;
+    return print_status_table(std::cout, heard_, expected, count_restarts(supervisor_log)) ? 0 : 1;
   }
 
  private:
@@ -125,8 +131,9 @@ class Conductor {
 }  // namespace modslam
 
 int main(int argc, char** argv) {
-  std::string url;
+  std::string url, supervisor_log;
   double seconds = 60;
+  bool drained = false;
   std::vector<std::string> names;
   CLI::App app("Waits for, settles and lists the processes of a run");
   app.add_option("--url", url, "LCM url")->envname("LCM_DEFAULT_URL")->required();
@@ -137,7 +144,10 @@ int main(int argc, char** argv) {
   ended->add_option("names", names)->required();
   auto* settle = app.add_subcommand("settle", "tell each in turn that the input has ended");
   settle->add_option("names", names)->required();
+  settle->add_flag("--drain", drained, "first wait until it gets nothing new");
   auto* status = app.add_subcommand("status", "print a table");
+  status->add_option("names", names, "processes that should speak");
+  status->add_option("--supervisor-log", supervisor_log, "to count restarts in");
   app.require_subcommand(1);
   CLI11_PARSE(app, argc, argv);
   try {
@@ -145,9 +155,9 @@ int main(int argc, char** argv) {
     modslam::Conductor conductor(url);
     if (*up) return conductor.up(names, seconds) ? 0 : 1;
     if (*ended) return conductor.ended(names.front(), seconds) ? 0 : 1;
-    if (*status) return conductor.print_status(std::min(seconds, 1.6));
+    if (*status) return conductor.print_status(std::min(seconds, 2.4), names, supervisor_log);
     for (const std::string& name : names)
-      if (!conductor.settle(name, seconds)) return 1;
+      if (!conductor.settle(name, seconds, drained)) return 1;
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "conduct: " << error.what() << std::endl;

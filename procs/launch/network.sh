@@ -4,6 +4,8 @@
 
 readonly GROUP=239.255.76.67  # runs are told apart by port: LCM 1.3.1 hears every group on its port
 
+readonly MOST_UDP_SPEED=8  # times real time; faster players fill sockets faster than processes empty them
+
 url_of_port() { echo "udpm://$GROUP:$1?ttl=0&recv_buf_size=2097152"; }
 
 # claim udp|tcp NUMBER: whether the port is free, and from now on this run's. The lock is held by the run's shell and its processes, so
@@ -29,6 +31,25 @@ claim_bus_port() {
     claim udp "$PORT" && return
   done
   die "found no free UDP port"
+}
+
+# Exports LCM_DEFAULT_URL for this run: multicast, or with BUS=tcp LCM's TCP hub on 127.0.0.1, which loses nothing at any speed but lets
+# one process that hangs hold up all others: for replays only.
+open_bus() {
+  if [[ -n $BUS_URL ]]; then
+    PORT=$(sed -n 's/.*:\([0-9]*\).*/\1/p' <<<"$BUS_URL")
+    claim udp "$PORT" || die "port $PORT is in use by another run on this machine"
+    export LCM_DEFAULT_URL=$BUS_URL
+  elif [[ $BUS == udp ]]; then
+    ensure_multicast
+    claim_bus_port
+    export LCM_DEFAULT_URL; LCM_DEFAULT_URL=$(url_of_port "$PORT")
+  else
+    PORT=$((20000 + RANDOM % 10000))
+    until claim tcp "$PORT"; do PORT=$((PORT + 1)); done
+    OVERRIDES+=(--set launch.lockstep=true)
+    export LCM_DEFAULT_URL=tcpq://127.0.0.1:$PORT
+  fi
 }
 
 # Sets PAGE_PORT to a TCP port of 127.0.0.1 for the viewer's page: the configured one, or the next that is free.

@@ -3,7 +3,7 @@
 # Sourced by run.sh: one run. Its folder, its processes under supervisor, its end and its results.
 
 readonly CURRENT=${MODSLAM_CURRENT:-$HOUSE/logs/.current}  # names the folder of the run that is going on
-OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED=""
+OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED="" BUS=udp BUS_URL="" ONLY=""
 
 # Options that all runs share; sets OUT, SPEED, CONFIG, OVERRIDES.
 parse_options() {
@@ -13,6 +13,8 @@ parse_options() {
       --out) OUT=$(here "${2:?--out: which folder?}"); shift 2 ;;
       --speed) SPEED=${2:?--speed: how fast?}; shift 2 ;;
       --config) CONFIG=$(here "${2:?--config: which file?}"); shift 2 ;;
+      --url) BUS_URL=${2:?--url: which LCM url?}; shift 2 ;;
+      --only) ONLY=${2:?--only: which processes, with commas between?}; shift 2 ;;
       --set) OVERRIDES+=(--set "${2:?--set: table.key=value}"); shift 2 ;;
       *) die "$kind: unknown option '$1'" ;;
     esac
@@ -62,11 +64,9 @@ mapping_processes() {
 # start_run "SOURCE...": writes the run's supervisor file and starts everything; returns when all processes have spoken.
 start_run() {
   local sources=$1
-  ensure_multicast
-  rm -f "$OUT"/run.lcm
+  rm -rf "$OUT"/run.lcm "$OUT/journal"
   mkdir -p "$OUT/log"
-  claim_bus_port
-  export LCM_DEFAULT_URL; LCM_DEFAULT_URL=$(url_of_port "$PORT")
+  open_bus
   if [[ $(setting launch.viewer) == true ]]; then
     claim_page_port "$(setting viewer.port)"
     OVERRIDES+=(--set "viewer.port=$PAGE_PORT")
@@ -74,9 +74,10 @@ start_run() {
   SOCKET_DIR=$(mktemp -d "${TMPDIR:-/tmp}/modslam-XXXXXX")
   # The simulated world waits until everybody listens: it is started after the others.
   local first=(recorder) late=() name
-  OVERRIDES+=(--set "recorder.path=$OUT/run.lcm")
+  OVERRIDES+=(--set "recorder.path=$OUT/run.lcm" --set "journal.folder=$OUT/journal")
   for name in $sources; do [[ $name == simulator ]] && late+=("$name") || first+=("$name"); done
   for name in $(mapping_processes); do first+=("$name"); done
+  choose_processes
   write_supervisor_file "${first[*]}" "${late[*]:-}" >"$OUT/supervisor.conf"
   trap 'on_signal 130' INT
   trap 'on_signal 143' TERM
@@ -84,11 +85,21 @@ start_run() {
   setsid supervisord -c "$OUT/supervisor.conf" >"$OUT/log/supervisord.out" 2>&1 &
   SUPERVISOR_PID=$!
   mkdir -p "$(dirname "$CURRENT")"
-  printf '%s=%q\n' OUT "$OUT" PORT "$PORT" PAGE_PORT "${PAGE_PORT:-}" SUPERVISOR_PID "$SUPERVISOR_PID" LAUNCHER_PID $$ >"$CURRENT"
+  printf '%s=%q\n' OUT "$OUT" PORT "$PORT" URL "$LCM_DEFAULT_URL" PAGE_PORT "${PAGE_PORT:-}" SUPERVISOR_PID "$SUPERVISOR_PID" LAUNCHER_PID $$ PROCESSES "${first[*]} ${late[*]:-}" >"$CURRENT"
   cp "$CURRENT" "$OUT/run.env"
   wait_for "$BIN/modslam-conduct" --timeout 20 up "${first[@]}" ||
     { tail -n 5 "$OUT"/log/*.log >&2; die "not all processes started; their logs are in $OUT/log"; }
   for name in "${late[@]}"; do supervisor_control start "$name" >/dev/null; done
+}
+
+# --only: this machine runs a part of the system, the others run elsewhere on the same network.
+choose_processes() {
+  [[ -n $ONLY ]] || return 0
+  local name known=" ${first[*]} ${late[*]:-} " chosen=() chosen_late=()
+  for name in ${ONLY//,/ }; do [[ $known == *" $name "* ]] || die "--only: there is no process '$name' here; known:$known"; done
+  for name in "${first[@]}"; do [[ ,$ONLY, == *,$name,* ]] && chosen+=("$name"); done
+  for name in "${late[@]}"; do [[ ,$ONLY, == *,$name,* ]] && chosen_late+=("$name"); done
+  first=("${chosen[@]}") late=("${chosen_late[@]}")
 }
 
 write_supervisor_file() {
@@ -104,7 +115,15 @@ file=$SOCKET_DIR/supervisor.sock
 serverurl=unix://$SOCKET_DIR/supervisor.sock
 [rpcinterface:supervisor]
 supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
+[eventlistener:watchdog]
+command="$BIN/modslam-watchdog" --supervisor "$SOCKET_DIR/supervisor.sock"
+events=PROCESS_STATE
+buffer_size=100
+priority=1
+stdout_logfile=NONE
+stderr_logfile=$OUT/log/watchdog.log
 INI
+  [[ $BUS == udp ]] || program hub 0 true "java -Xmx256m -cp $BUILD/modslam-hub.jar:/usr/share/java/lcm.jar lcm.lcm.LoopbackHub $PORT"
   local name priority=10  # supervisor starts in this order and stops in the other
   for name in $1; do program "$name" $((priority++)) true "$(command_of "$name")"; done
   for name in $2; do program "$name" $((priority++)) false "$(command_of "$name")"; done
@@ -174,9 +193,10 @@ end_run() {
       map_builder | semantic_classifier) order+=("$name") ;;
     esac
   done
-  wait_for "$BIN/modslam-conduct" --timeout 60 settle "${order[@]}" || echo "run.sh: not every process settled; the result may lack its last part" >&2
-  sleep 0.3  # the recorder writes what it has
-  "$BIN/modslam-conduct" status >"$OUT/status.txt" 2>/dev/null || true
+  local drain=()
+  [[ $BUS == udp ]] || drain=(--drain)
+  wait_for "$BIN/modslam-conduct" --timeout 60 settle "${drain[@]}" "${order[@]}" recorder || echo "run.sh: not every process settled; the result may lack its last part" >&2
+  "$BIN/modslam-conduct" status --supervisor-log "$OUT/log/supervisord.log" >"$OUT/status.txt" 2>/dev/null || true
   stop_run
   ENDED=yes
   say_restarts
@@ -223,8 +243,11 @@ make_results() {
   local dir=$1 truth=() world code=0
   world=$("$BIN/modslam-report" --world-of "$dir" 2>/dev/null) || world=""
   if [[ -n $world && -e $HOUSE/config/worlds/$world ]]; then
-    "$BIN/modslam-world-truth" "$HOUSE/config/worlds/$world" "$dir/truth.geojson"
-    truth=(--world-truth "$dir/truth.geojson")
+    if "$BIN/modslam-world-truth" "$HOUSE/config/worlds/$world" "$dir/truth.geojson"; then
+      truth=(--world-truth "$dir/truth.geojson")
+    else
+      rm -f "$dir/truth.geojson"
+    fi
   fi
   "$BIN/modslam-report" "$dir" "${truth[@]}" || code=$?
   "$BIN/modslam-report" --table "$dir" || true
@@ -235,7 +258,7 @@ attach() {
   [[ -e $CURRENT ]] || die "no run is going on"
   # shellcheck disable=SC1090
   source "$CURRENT"
-  export LCM_DEFAULT_URL; LCM_DEFAULT_URL=$(url_of_port "$PORT")
+  export LCM_DEFAULT_URL=$URL
 }
 
 attach_or_default() {

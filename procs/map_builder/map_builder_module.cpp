@@ -40,10 +40,15 @@ class MapBuilderModule : public Module {
     while (!changed_.empty()) publish_some();
   }
 
-  void tick(std::int64_t) override {
+  void tick(std::int64_t steady_us) override {
+    mirror_.tick(steady_us);
     if (urgent_) publish_some();
   }
 
+  bool complete() const override { return mirror_.settled(); }
+  void missed(const std::string& channel) override {
+    if (channel == channel::kNode || channel == channel::kGraph) mirror_.suspect();
+  }
   std::string words() const override {
     return std::to_string(mirror_.nodes().size()) + " nodes, version " + std::to_string(version_) + ", " +
            std::to_string(redrawn_) + " scans redrawn";

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// procs/scan_matcher — LASER + ODOMETRY + SENSOR_INFO → SCAN_MATCH. Config: [scan_matcher], [odometry_model].
+#include <modslam/matcher_state_t.hpp>
 #include <modslam/scan_match_t.hpp>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/conversions.hpp"
+#include "common/bus/journal.hpp"
 #include "common/bus/modules.hpp"
 #include "common/bus/scan_source.hpp"
 #include "common/bus/system_config.hpp"
@@ -11,29 +13,98 @@
 namespace modslam {
 namespace {
 
+constexpr std::int64_t kSilence_us = 1'000'000;
+constexpr double kFar_m = 1.0, kFar_rad = 0.8;
+
 class ScanMatcherModule : public Module {
  public:
   ScanMatcherModule(Bus& bus, const SystemConfig& config)
       : bus_(bus),
+        matcher_config_(config.scan_matcher),
+        odometry_model_(config.odometry_model),
         matcher_(config.scan_matcher, config.odometry_model),
-        source_(bus, channel::kOdometry, [this](const Scan& scan, const Pose2& T_odom_base) { match(scan, T_odom_base); }) {}
+        source_(bus, channel::kOdometry, [this](const Scan& scan, const Pose2& T_odom_base) { match(scan, T_odom_base); }),
+        journal_(config.journal, bus.name()) {
+    resume();
+  }
 
   void finish() override { source_.flush(); }
 
   std::string words() const override {
     return std::to_string(seq_) + " scans matched, " + std::to_string(doubtful_) + " doubtful, " +
-           std::to_string(source_.without_odometry()) + " without odometry";
+           std::to_string(source_.without_odometry()) + " without odometry" +
+           (breaks_ ? ", " + std::to_string(breaks_) + " new beginnings after a silence" : "") +
+           (journal_.trouble().empty() ? "" : "; " + journal_.trouble());
   }
+  std::optional<Resumption> resumption() const override { return resumption_; }
 
  private:
+  /// Where the life before stood: its local map and its pose.
+  void resume() {
+    matcher_state_t state{}, newest{};
+    bot_core::planar_lidar_t laser{};
+    std::vector<ScanMatcher::PlacedScan> joined;
+    bool joins = false;
+    for (const LogEvent& record : journal_.past()) {
+      if (record.channel == channel::kLaser) {
+        joins = read_record(record, laser);
+      } else if (read_record(record, state)) {
+        newest = state;
+        if (joins) joined.push_back({to_scan(laser), to_sensor_info(state.sensor), to_pose(state.T_track_base)});
+        joins = false;
+      }
+    }
+    if (joined.empty()) return;
+    joined.erase(joined.begin(), joined.end() - std::clamp<std::ptrdiff_t>(newest.keyframes, 1, static_cast<std::ptrdiff_t>(joined.size())));
+    matcher_.resume(joined, to_pose(newest.T_track_base), newest.failures);
+    source_.set_sensor(joined.back().sensor);
+    T_odom_last_ = to_pose(newest.T_odom_base);
+    utime_last_ = newest.utime;
+    track_ = newest.track;
+    seq_ = newest.seq + 1;
+    doubtful_ = newest.doubtful;
+    resumption_ = Resumption{{channel::kLaser, channel::kOdometry, channel::kSensorInfo}, channel::kLaser, utime_last_, journal_.last_us()};
+    journal_.forget_past();
+  }
+
+  /// After the match was published: whoever is killed in between matches the scan again, with the same result.
+  void remember(const Scan& scan, const ScanMatch& result, bool joined) {
+    if (!journal_.on()) return;
+    if (joined) journal_.write(channel::kLaser, to_message(scan));
+    matcher_state_t state{};
+    state.utime = scan.utime;
+    state.track = track_;
+    state.seq = seq_;
+    state.doubtful = doubtful_;
+    put(state.T_track_base, result.T_track_base);
+    put(state.T_odom_base, T_odom_last_);
+    state.failures = matcher_.failures();
+    state.keyframes = static_cast<std::int32_t>(matcher_.keyframes());
+    state.sensor = to_message(source_.sensor(), scan.utime);
+    journal_.write("MATCHER_STATE", state);
+  }
+
+  /// After a long silence the robot may be anywhere near: a new local map begins, and odometry alone spans the break.
+  bool too_far(const Scan& scan, const Pose2& T_odom_base) const {
+    const Pose2 motion = between(T_odom_last_, T_odom_base);
+    return scan.utime - utime_last_ > kSilence_us && (std::hypot(motion.x, motion.y) > kFar_m || std::abs(motion.heading) > kFar_rad);
+  }
+
   void match(const Scan& scan, const Pose2& T_odom_base) {
+    if (seq_ > 0 && too_far(scan, T_odom_base)) {
+      matcher_ = ScanMatcher(matcher_config_, odometry_model_);
+      seq_ = 0;
+      ++breaks_;
+    }
     if (seq_ == 0) track_ = scan.utime;
     const Pose2 motion = seq_ == 0 ? Pose2() : between(T_odom_last_, T_odom_base);
+    const std::int64_t joined_before = matcher_.joined();
     const ScanMatch result = matcher_.match(scan, source_.sensor(), motion);
     doubtful_ += !is_usable(result.verdict) && result.verdict != Verdict::kFirst;
     publish(scan, result);
     T_odom_last_ = T_odom_base;
     utime_last_ = scan.utime;
+    remember(scan, result, matcher_.joined() > joined_before);
     ++seq_;
   }
 
@@ -60,10 +131,14 @@ class ScanMatcherModule : public Module {
   }
 
   Bus& bus_;
+  ScanMatcherConfig matcher_config_;
+  OdometryModelConfig odometry_model_;
   ScanMatcher matcher_;
   ScanSource source_;
+  Journal journal_;
+  std::optional<Resumption> resumption_;
   Pose2 T_odom_last_;
-  std::int64_t utime_last_ = 0, seq_ = 0, track_ = 0, doubtful_ = 0;
+  std::int64_t utime_last_ = 0, seq_ = 0, track_ = 0, doubtful_ = 0, breaks_ = 0;
 };
 
 }  // namespace

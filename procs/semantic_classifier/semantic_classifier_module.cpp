@@ -38,6 +38,11 @@ class SemanticClassifierModule : public Module {
     if (!mirror_.nodes().empty()) work(true);
   }
 
+  void tick(std::int64_t steady_us) override { mirror_.tick(steady_us); }
+  bool complete() const override { return mirror_.settled(); }
+  void missed(const std::string& channel) override {
+    if (channel == channel::kNode || channel == channel::kGraph) mirror_.suspect();
+  }
   std::string words() const override {
     return std::to_string(layers_.walls.size()) + " walls, " + std::to_string(layers_.rooms.size()) + " rooms, " +
            std::to_string(layers_.doors.size()) + " doors, " + std::to_string(layers_.objects.size()) + " objects";

@@ -207,7 +207,8 @@ def strict_scripts():
     lax = [str(p.relative_to(HOUSE)) for p in scripts
            if p.read_text().startswith("#!") and not re.search(r"^set -e?uo? ?(pipefail)?$", p.read_text(), flags=re.M)]
     equal(lax, [], "scripts that go on after an error or an unset name")
-    run = subprocess.run(["shellcheck", "-x", *scripts], cwd=HOUSE, capture_output=True, text=True, check=False)
+    own = [p for p in scripts if p.read_text().startswith("#!")]  # the others are read where they are sourced
+    run = subprocess.run(["shellcheck", "-x", "-a", *own], cwd=HOUSE, capture_output=True, text=True, check=False)
     equal(run.stdout, "", "shellcheck")
 
 

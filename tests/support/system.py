@@ -222,5 +222,43 @@ def write_events(path, all_events):
     return path
 
 
+def statuses(path):
+    """Wall time [s], process and pid of each STATUS in a run's log."""
+    for utime, channel, data in events(path):
+        if channel == "STATUS":
+            size, = struct.unpack_from(">i", data, 16)
+            name = data[20:20 + size - 1].decode()
+            version, = struct.unpack_from(">i", data, 20 + size)
+            yield 1e-6 * utime, name, struct.unpack_from(">i", data, 24 + size + version)[0]
+
+
+def status_inputs(path):
+    """Wall time [s], process and {channel: (received, bad, lost)} of each STATUS in a run's log."""
+    for utime, channel, data in events(path):
+        if channel != "STATUS":
+            continue
+        at = 16
+        texts = []
+        for _ in range(2):  # name, version
+            size, = struct.unpack_from(">i", data, at)
+            texts.append(data[at + 4:at + 3 + size].decode())
+            at += 4 + size
+        at += 5  # pid, state
+        count, = struct.unpack_from(">i", data, at)
+        at += 4
+        inputs = {}
+        for _ in range(count):
+            size, = struct.unpack_from(">i", data, at)
+            inputs[data[at + 4:at + 3 + size].decode()] = struct.unpack_from(">qqq", data, at + 4 + size)
+            at += 28 + size
+        yield 1e-6 * utime, texts[0], inputs
+
+
+def duration_s(path):
+    """Sensor time of a log."""
+    times = [utime for utime, _, _ in events(path)]
+    return 1e-6 * (max(times) - min(times))
+
+
 def count(path, channel):
     return sum(1 for _, name, _ in events(path) if name == channel)

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/bus/journal.hpp"
+
+#include <chrono>
+#include <filesystem>
+
+namespace modslam {
+namespace {
+
+std::int64_t wall_clock_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+Journal::Journal(const JournalConfig& config, const std::string& process) {
+  if (config.folder.empty()) return;
+  const std::string path = config.folder + "/" + process + ".journal";
+  std::error_code error;
+  std::filesystem::create_directories(config.folder, error);
+  if (std::filesystem::is_regular_file(path, error) && std::filesystem::file_size(path, error) > 0) {
+    try {
+      LogReader reader(path);
+      for (LogEvent event; reader.next(event);) past_.push_back(std::move(event));
+    } catch (const std::runtime_error&) {
+      past_.clear();  // no whole record in it: killed while it wrote the first
+    }
+  }
+  writer_ = std::make_unique<LogWriter>(path, LogWriter::kAppend);
+}
+
+void Journal::write(const std::string& channel, const void* bytes, int size) {
+  if (!on()) return;
+  try {
+    writer_->write(wall_clock_us(), channel, bytes, size);
+    writer_->flush();
+  } catch (const std::runtime_error& error) {
+    trouble_ = std::string("journal ended: ") + error.what();
+    writer_.reset();
+  }
+}
+
+}  // namespace modslam

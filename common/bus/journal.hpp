@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file What a process writes down so that it goes on where it was when it is killed.
+///
+/// An LCM event log of its own in the run's folder. Each record is in the hands of the system when write() returns: that survives
+/// kill -9, though not a power cut. When the disk is full the process goes on without a journal and says so.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/bus/log.hpp"
+#include "common/config/visitor.hpp"
+
+namespace modslam {
+
+struct JournalConfig {
+  static constexpr const char* kTable = "journal";
+  std::string folder;
+
+  void visit(ConfigVisitor& v) { v.text("folder", folder, "Where processes write what they need after a crash; empty: nowhere."); }
+};
+
+class Journal {
+ public:
+  /// Reads what an earlier life of `process` wrote and goes on behind it. An empty folder: keeps nothing.
+  /// @throws std::runtime_error when the folder cannot be written.
+  Journal(const JournalConfig& config, const std::string& process);
+
+  /// What was there at the start, oldest first.
+  const std::vector<LogEvent>& past() const { return past_; }
+  /// [us] of wall time when the last of it was written; 0 when there is none.
+  std::int64_t last_us() const { return past_.empty() ? 0 : past_.back().utime; }
+  /// Gives the memory back once the past has been read.
+  void forget_past() { past_ = {}; }
+
+  bool on() const { return writer_ != nullptr; }
+  void write(const std::string& channel, const void* bytes, int size);
+  template <class Message>
+  void write(const std::string& channel, const Message& message) {
+    if (!on()) return;
+    buffer_.resize(static_cast<std::size_t>(message.getEncodedSize()));
+    message.encode(buffer_.data(), 0, static_cast<int>(buffer_.size()));
+    write(channel, buffer_.data(), static_cast<int>(buffer_.size()));
+  }
+  /// "" or why the journal has ended, for words().
+  const std::string& trouble() const { return trouble_; }
+
+ private:
+  std::vector<LogEvent> past_;
+  std::unique_ptr<LogWriter> writer_;
+  std::vector<std::uint8_t> buffer_;
+  std::string trouble_;
+};
+
+/// A record as a message. @return false when it is none (a torn or foreign record).
+template <class Message>
+bool read_record(const LogEvent& record, Message& message) {
+  const int size = static_cast<int>(record.bytes.size());
+  try {
+    return message.decode(record.bytes.data(), 0, size) == size;
+  } catch (const std::exception&) {  // a wild array length
+    return false;
+  }
+}
+
+}  // namespace modslam

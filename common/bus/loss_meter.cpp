@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/bus/loss_meter.hpp"
+
+#include <algorithm>
+
+#include "common/bus/channels.hpp"
+
+namespace modslam {
+namespace {
+
+bool has_many_speakers(const std::string& name) {
+  return name == channel::kStatus || name == channel::kParameters || name == channel::kCommand || name == channel::kSyncRequest;
+}
+
+}  // namespace
+
+/// Everybody speaks on STATUS, but each says who he is.
+void LossMeter::take_statuses(const process_status_t& status, Bus& bus) {
+  Sender& sender = statuses_[status.name];
+  ++sender.received;
+  for (const channel_count_t& out : status.outputs) {
+    if (out.channel != channel::kStatus) continue;  // counts those before this one
+    if (sender.pid != status.pid) sender = {status.pid, out.received, 0, 0, sender.lost_before + sender.lost};
+    sender.lost = std::max(sender.lost, out.received - sender.sent - sender.received);
+  }
+  if (!bus.inputs().count(channel::kStatus)) return;
+  std::int64_t lost = 0;
+  for (const auto& [name, one] : statuses_) lost += one.lost_before + one.lost;
+  bus.set_lost(channel::kStatus, lost);
+}
+
+std::vector<std::string> LossMeter::take(const process_status_t& status, Bus& bus) {
+  take_statuses(status, bus);
+  std::vector<std::string> more;
+  for (const channel_count_t& out : status.outputs) {
+    const auto in = bus.inputs().find(out.channel);
+    if (has_many_speakers(out.channel) || in == bus.inputs().end()) continue;
+    Sender& sender = by_channel_[out.channel];
+    if (sender.pid != status.pid || out.received < sender.sent) {
+      sender = {status.pid, out.received, in->second.received, 0, sender.lost_before + sender.lost};
+      continue;
+    }
+    const std::int64_t lost = out.received - sender.sent - (in->second.received - sender.received);
+    if (lost > sender.lost) {
+      sender.lost = lost;
+      bus.set_lost(out.channel, sender.lost_before + lost);
+      more.push_back(out.channel);
+    }
+  }
+  return more;
+}
+
+}  // namespace modslam

@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sensors on one machine, mapping on a second, a viewer and a second recorder on a third, on a network that loses packets.
+
+network_test.py BUILD_DIR [WORD...]; MODSLAM_LOSSES="1 5 10" makes the long version.
+"""
+import os
+import pathlib
+import subprocess
+import sys
+import time
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import hosts  # noqa: E402
+import system  # noqa: E402
+from system import BIN, HOUSE, Skip, check, equal, test  # noqa: E402
+
+LOSSES = [int(word) for word in os.environ.get("MODSLAM_LOSSES", "10").split()]
+ROUTE = os.environ.get("MODSLAM_NETWORK_ROUTE", "C_bedroom_full")
+SPEED = float(os.environ.get("MODSLAM_NETWORK_SPEED", 6))
+SENSORS, MAPPING = ["laser", "odometry", "ins"], ["scan_matcher", "graph_optimizer", "loop_detector", "map_builder", "semantic_classifier"]
+LATE_WITHIN_S, ERROR_SHARE, COUNT_SHARE = 2.0, 0.10, 0.01
+SLACK_M = 0.010  # at six times real time the cut second is six seconds of driving
+URL = "udpm://239.255.76.67:31250?ttl=1&recv_buf_size=4194304"
+
+
+class Building:
+    """One drive of the simulated robot over three machines."""
+
+    def __init__(self, name, network):
+        self.sensors, self.mapping, self.desk = network
+        self.folder = system.FOLDER / name
+        self.folder.mkdir()
+        self.settings = [f"simulator.route={ROUTE}", f"simulator.speed={SPEED}", "simulator.delay_s=4", "viewer.port=0"]
+
+    def start(self, host, process, *more):
+        words = [BIN / f"modslam-{process.replace('_', '-')}", "--config", HOUSE / "config" / "modslam.toml"]
+        for setting in (*self.settings, *more):
+            words += ["--set", setting]
+        return host.start(words, self.folder / f"{process}-{host.name}.log", {"LCM_DEFAULT_URL": URL})
+
+    def conduct(self, host, *words, seconds=60):
+        return subprocess.run(host.inside([BIN / "modslam-conduct", "--url", URL, "--timeout", seconds, *words]), check=False,
+                              capture_output=True, text=True)
+
+    def log(self, host):
+        return self.folder / host.name / "run.lcm"
+
+    def record(self, host):
+        self.log(host).parent.mkdir()
+        self.start(host, "recorder", f"recorder.path={self.log(host)}")
+
+    def drive(self, loss):
+        self.record(self.mapping)
+        for process in MAPPING:
+            self.start(self.mapping, process)
+        for process in SENSORS:
+            self.start(self.sensors, process)
+        up = self.conduct(self.mapping, "up", *MAPPING, *SENSORS, seconds=15)
+        equal(up.returncode, 0, f"{up.stderr}: starting")
+        self.record(self.desk)
+        time.sleep(1.2)  # everybody has heard a STATUS of everybody
+        self.start(self.sensors, "simulator")
+        time.sleep(2.5)
+        if loss:
+            for host in (self.sensors, self.mapping):
+                host.lose(loss)
+        self.joined_at = self.join_late()
+        if loss:
+            self.sensors.lose(100)  # somebody steps on the cable
+            time.sleep(1)
+            self.sensors.lose(loss)
+        ended = self.conduct(self.mapping, "ended", "simulator", seconds=100)
+        equal(ended.returncode, 0, f"{ended.stderr}: the drive")
+        time.sleep(2.5)  # the last counts are told
+        settled = self.conduct(self.mapping, "settle", "scan_matcher", "graph_optimizer", "loop_detector", "graph_optimizer", "map_builder",
+                               "semantic_classifier")
+        equal(settled.returncode, 0, f"{settled.stderr}: settling")
+        self.drops = self.sensors.dropped() if loss else 0
+        time.sleep(4)  # what got lost of the last words is asked for and told
+
+    def join_late(self):
+        """A viewer that is started in the middle. @return when."""
+        time.sleep(8)
+        self.start(self.desk, "viewer")
+        return time.time()
+
+    def results(self, host):
+        folder = self.log(host).parent
+        made = subprocess.run([BIN / "modslam-report", folder], capture_output=True, text=True, check=False)
+        check(made.returncode in (0, 2), f"{made.stderr}: report")
+        return system.summary(folder)
+
+    def viewer_complete_after_s(self):
+        """From its start until it told of as many nodes as there were."""
+        nodes = 0
+        for utime, channel, data in system.events(self.log(self.mapping)):
+            nodes += channel == "NODE" and int.from_bytes(data[16:24], "big") == nodes
+            if channel == "STATUS" and b"viewer\0" in data and b" nodes\0" in data:
+                told = int(data.split(b" nodes\0")[0].split(b" ")[-1])
+                if told >= nodes - 1 > 0:
+                    return 1e-6 * utime - self.joined_at
+        return float("inf")
+
+    def lost_of_sensors(self):
+        """As the recorder on the mapping machine counted, of what the sensors' machine sent."""
+        newest = {}
+        for _, name, counts in system.status_inputs(self.log(self.mapping)):
+            if name == "recorder":
+                newest = counts
+        return sum(counts[2] for channel, counts in newest.items() if channel in ("LASER", "SENSOR_INFO", "ODOMETRY", "INS", "SIM_STATE", "GROUND_TRUTH", "SIM_INFO", "STATUS"))
+
+
+def drive(loss):
+    with hosts.Network("sensors", "mapping", "desk") as network:
+        building = Building(f"loss{loss}", network)
+        building.drive(loss)
+    return building
+
+
+def error_m(summary):
+    """Laid over the truth by least squares: the first pose, and with it the whole path, hangs on the first few scans."""
+    return summary["error"]["aligned_by_least_squares"]["position_m"]["mean"]
+
+
+@test(f"three machines on a network that loses {LOSSES} % and one second altogether: every machine has the whole graph and map in the end")
+def lossy():
+    if not os.environ.get("MODSLAM_OWN_NETWORK"):
+        raise Skip("network namespaces are not allowed here")
+    calm = drive(0)
+    undisturbed = calm.results(calm.mapping)
+    for loss in LOSSES:
+        wild = drive(loss)
+        here, there = wild.results(wild.mapping), wild.results(wild.desk)
+        lost, late = wild.lost_of_sensors(), wild.viewer_complete_after_s()
+        print(f"loss {loss} %: {wild.drops} packets dropped, {lost} counted; path error {1e3 * error_m(here):.1f} mm, undisturbed "
+              f"{1e3 * error_m(undisturbed):.1f} mm; nodes {here['graph']['nodes']}, at the desk {there['graph']['nodes']}; "
+              f"a viewer that came late was complete after {late:.1f} s")
+        for key in ("nodes", "edges", "loop_edges"):
+            equal(there["graph"][key], here["graph"][key], f"{key} at the desk and at the mapping machine")
+        equal(there["map"]["tiles"], here["map"]["tiles"], "tiles at the desk and at the mapping machine")
+        check(abs(lost - wild.drops) <= max(COUNT_SHARE * wild.drops, 5), f"{wild.drops} packets were dropped, {lost} counted")
+        check(late < LATE_WITHIN_S, f"the viewer was complete after {late:.1f} s")
+        check(error_m(here) <= error_m(undisturbed) + max(ERROR_SHARE * error_m(undisturbed), SLACK_M), f"path error {error_m(here)} m")
+
+
+if __name__ == "__main__":
+    hosts.in_own_network()
+    system.main()
