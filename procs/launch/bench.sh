@@ -38,3 +38,16 @@ bench_graph() {
   echo "Written: logs/bench/graph.json, logs/bench/graph.md"
   [[ $folder != "$default" ]] || write_section graph logs/bench/graph.md
 }
+
+# [--seeds N]: public logs, the simulator, and whether the matcher's opinion of itself is right.
+bench_slam() {
+  build_bench to_rawlog
+  build_bench matcher-bench
+  local code=0
+  python3 tests/bench/slam_bench.py "$BUILD" "${MODSLAM_SHARED:-$HOUSE/../shared}/data/slam" --json logs/bench/slam.json --markdown logs/bench/slam.md "$@"
+  "$BIN/matcher-bench" --json logs/bench/matcher.json --markdown logs/bench/matcher.md || code=$?
+  { cat logs/bench/slam.md; printf '\n### The matcher about itself\n\n'; cat logs/bench/matcher.md; } >logs/bench/slam_all.md
+  write_section slam logs/bench/slam_all.md
+  echo "Written: logs/bench/slam.json, logs/bench/matcher.json, the section in docs/benchmarks.md"
+  return "$code"
+}

@@ -2,7 +2,9 @@
 #include "procs/offline/offline_run.hpp"
 
 #include <sys/resource.h>
+#include <time.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -34,6 +36,13 @@ double cpu_s() {
   getrusage(RUSAGE_SELF, &usage);
   const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// CPU time of this thread, finer than cpu_s().
+double thread_s() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 long peak_memory_kb() {
@@ -89,7 +98,11 @@ class OfflineRun {
       host_bus_.publish(channel::kParameters, parameters_);
     }
     utime_ = event.utime;
-    scans_ += event.channel == channel::kLaser;
+    if (event.channel == channel::kLaser) {
+      const double now = thread_s();
+      if (scans_++ > 0) scan_ms_.push_back(static_cast<float>(1e3 * (now - scan_start_s_)));
+      scan_start_s_ = now;
+    }
     transport_.publish(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
     drain();
     for (auto& hosted : modules_) hosted->module->tick(utime_);
@@ -114,6 +127,7 @@ class OfflineRun {
     out << std::fixed << std::setprecision(3) << "modslam_timing({\"host\": \"offline\", \"wall_s\": " << wall_s
         << ", \"cpu_s\": " << used_cpu_s << ", \"sensor_s\": " << sensor_s()
         << ", \"times_real_time\": " << (used_cpu_s > 0 ? sensor_s() / used_cpu_s : 0.0) << ", \"scans\": " << scans_
+        << ", \"scan_ms\": {\"p50\": " << scan_ms(0.5) << ", \"p99\": " << scan_ms(0.99) << ", \"max\": " << scan_ms(1.0) << "}"
         << ", \"peak_memory_mb\": " << static_cast<double>(peak_memory_kb()) / 1024.0 << ", \"modules\": {";
     for (std::size_t k = 0; k < modules_.size(); ++k)
       out << (k ? ", " : "") << "\"" << modules_[k]->bus.name() << "\": {\"cpu_s\": " << modules_[k]->seconds
@@ -127,6 +141,13 @@ class OfflineRun {
   }
 
  private:
+  /// CPU time from one scan to the next, all modules: the share `q` of scans took no longer.
+  double scan_ms(double q) const {
+    if (scan_ms_.empty()) return 0;
+    std::vector<float> sorted = scan_ms_;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(q * static_cast<double>(sorted.size())))];
+  }
   void host(const std::string& name, ModuleFactory make, const SystemConfig& config) {
     modules_.push_back(std::make_unique<Hosted>(transport_, name, make, config));
   }
@@ -142,6 +163,8 @@ class OfflineRun {
   std::vector<std::unique_ptr<Hosted>> modules_;
   parameters_t parameters_{};
   std::int64_t utime_ = 0, first_utime_ = 0, scans_ = 0;
+  std::vector<float> scan_ms_;
+  double scan_start_s_ = 0;
 };
 
 }  // namespace

@@ -1,0 +1,172 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""slam_bench.py BUILD DATA --json FILE --markdown FILE [--seeds N]: localisation on public logs and in the simulator, against yardsticks.
+
+DATA/intel and DATA/fr079 hold NAME.clf.xz, NAME.relations and NAME.times.csv.xz; what is absent is skipped and named. Every system reads
+the same LCM log with the shipped parameters; only mount and no-return value differ by log. CPU seconds, so that other work on the machine counts little.
+"""
+import argparse
+import json
+import math
+import os
+import pathlib
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+
+LOGS = {"intel": ["--laser-x", "0.09"], "fr079": ["--laser-x", "0.08"]}  # where the laser sits on the recorded pose
+SYSTEMS = {
+    "ModSLAM": [],
+    "ModSLAM, no final polish": ["graph_optimizer.polish=false"],
+    "ModSLAM, scan matching alone": ["launch.loops=false", "graph_optimizer.polish=false"],
+    "Pfister + TORO (the thesis)": ["scan_matcher.method=pfister", "graph_optimizer.method=toro", "graph_optimizer.polish=false"],
+    "raw odometry": ["launch.estimator=odometry"],
+}
+ROUTES = [("demo", "raised"), ("demo", "official"), ("B_rooms_tight", "raised"), ("B_rooms_tight", "official")]
+
+
+def run(command, **options):
+    """@return seconds of CPU and peak memory in MB of a command that must end well."""
+    process = subprocess.Popen([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, **options)
+    words = process.stderr.read()
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        raise RuntimeError(f"{' '.join(map(str, command))}: exit {process.returncode}: {words.decode(errors='replace').strip()[-400:]}")
+    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
+
+
+class Bench:
+    def __init__(self, build, data, work):
+        self.bin, self.data, self.work = pathlib.Path(build) / "bin", pathlib.Path(data), pathlib.Path(work)
+
+    def offline(self, log, name, settings):
+        """One run of the whole chain; figures of its timing and its report."""
+        out = self.work / name
+        words = [word for setting in ["launch.semantics=false", *settings] for word in ("--set", setting)]
+        run([self.bin / "modslam-offline", log, "--out", out, *words])
+        run([self.bin / "modslam-report", out])
+        timing = json.loads(re.search(r"\((.*)\);", (out / "timing.js").read_text(), re.S).group(1))
+        summary = json.loads((out / "summary.json").read_text())
+        return out, timing, summary
+
+    def relations(self, name, path):
+        scores = self.work / "relations.json"
+        run([self.bin / "modslam-evaluate", "--relations", self.data / name / f"{name}.relations", "--times",
+             self.data / name / f"{name}.times.csv.xz", "--path", path, "--json", scores])
+        return json.loads(scores.read_text())
+
+    def icp_slam(self, name, log):
+        """MRPT's icp-slam with its classic demo parameters. @return scores, CPU seconds, MB."""
+        folder = self.work / f"icp-{name}"
+        folder.mkdir()
+        run([self.bin / "to_rawlog", log, folder / "log.rawlog"])
+        ini = pathlib.Path("/usr/share/mrpt/config_files/icp-slam/icp-slam_demo_classic.ini").read_text()
+        for key, value in (("SHOW_PROGRESS_3D_REAL_TIME", 0), ("LOG_FREQUENCY", 1000000), ("SAVE_3D_SCENE", 0), ("SAVE_POSE_LOG", 0),
+                           ("logOutput_dir", folder / "out")):
+            ini = re.sub(rf"(?m)^{key}\s*=.*$", f"{key}={value}", ini)
+        (folder / "icp.ini").write_text(ini)
+        cpu_s, memory_mb = run(["icp-slam", folder / "icp.ini", folder / "log.rawlog"], cwd=folder)
+        path = folder / "path.tum"
+        path.write_text(laser_path(next(folder.glob("out/**/*estimated_path*.txt")), float(LOGS[name][1]), self.work / name / "path_laser.tum"))
+        return self.relations(name, path), cpu_s, memory_mb
+
+
+def laser_path(estimated, laser_x_m, stamps_of):
+    """MRPT's path (time x y heading of the robot) as TUM of the laser, with the stamps of our own run: one line a scan."""
+    lines = []
+    stamps = [line.split()[0] for line in stamps_of.read_text().splitlines()]
+    poses = [list(map(float, line.split())) for line in estimated.read_text().splitlines() if line.strip() and line[0] not in "%#"]
+    for stamp, pose in zip(stamps, poses):
+        x, y, heading = pose[-3:] if len(pose) < 7 else (pose[1], pose[2], pose[4])
+        lines.append(f"{stamp} {x + laser_x_m * math.cos(heading):.6f} {y + laser_x_m * math.sin(heading):.6f} 0 0 0 "
+                     f"{math.sin(heading / 2):.9f} {math.cos(heading / 2):.9f}")
+    return "\n".join(lines) + "\n"
+
+
+def verdict_words(summary):
+    return ", ".join(f"{count} {word}" for word, count in summary["verdicts"]["scan_match"].items() if word != "first")
+
+
+def row_of(scores):
+    relations, exact = scores["relations"]["all"], scores["relations"]["exact"]
+    def cell(kind, unit):
+        return f"{kind[unit]['mean']:.4f} ± {kind[unit]['std']:.4f}, {kind[unit]['max']:.2f}"
+    return cell(relations, "translation_m"), cell(relations, "rotation_deg"), f"{exact['translation_m']['mean']:.4f}", f"{exact['rotation_deg']['mean']:.3f}"
+
+
+def public_logs(bench, report, table):
+    for name, mount in LOGS.items():
+        source = bench.data / name / f"{name}.clf.xz"
+        if not source.exists():
+            print(f"skipped {name}: there is no {source}")
+            continue
+        log = bench.work / f"{name}.lcm"
+        run([bench.bin / "modslam-import", source, log, *mount])
+        table += [f"\n### {name}\n", "| system | translation [m] mean ± std, max | rotation [deg] | exact stamps [m] | [deg] | CPU [s] | times real time | "
+                  "ms per scan p50 / p99 | peak [MB] | loops proposed / accepted / retracted | verdicts |", "|---" * 11 + "|"]
+        sensor_s = 0
+        for system, settings in SYSTEMS.items():
+            out, timing, summary = bench.offline(log, name if not settings else f"{name}-{len(report)}", settings)
+            scores, loops = bench.relations(name, out / "path_laser.tum"), summary["loops"]
+            sensor_s = timing["sensor_s"]
+            report.append({"log": name, "system": system, "scores": scores, "timing": timing, "loops": loops, "verdicts": summary["verdicts"]})
+            is_raw = system == "raw odometry"
+            table.append("| " + " | ".join([system, *row_of(scores), f"{timing['cpu_s']:.1f}", f"{timing['times_real_time']:.0f}",
+                         f"{timing['scan_ms']['p50']:.2f} / {timing['scan_ms']['p99']:.1f}", f"{timing['peak_memory_mb']:.0f}",
+                         "" if is_raw else f"{loops['proposed']} / {loops['accepted']} / {loops['retracted']}",
+                         "" if is_raw else verdict_words(summary)]) + " |")
+            print(table[-1], flush=True)
+        try:
+            scores, cpu_s, memory_mb = bench.icp_slam(name, log)
+            report.append({"log": name, "system": "MRPT icp-slam", "scores": scores, "cpu_s": cpu_s, "peak_memory_mb": memory_mb})
+            table.append("| " + " | ".join(["MRPT icp-slam (classic demo parameters, no loops)", *row_of(scores), f"{cpu_s:.1f}", f"{sensor_s / cpu_s:.0f}", "",
+                                             f"{memory_mb:.0f}", "", ""]) + " |")
+        except (RuntimeError, OSError, StopIteration) as error:
+            table.append(f"| MRPT icp-slam | did not run: {str(error)[-120:]} |" + " |" * 9)
+        print(table[-1], flush=True)
+
+
+def simulated(bench, seeds, report, table):
+    table += ["\n### Simulated Apartment\n", "Largest position error of a run, path laid on the truth by its first pose; `raised` odometry drifts by metres.\n",
+              "| route, noise | runs | odometry's largest error, median [m] | largest error: median [m] | worst run [m] | heading mean, median [deg] | "
+              "times real time, median |", "|---" * 7 + "|"]
+    for route, noise in ROUTES:
+        runs = []
+        for seed in range(1, seeds + 1):
+            log = bench.work / "sim.lcm"
+            run([bench.bin / "modslam-simulate", log, "--set", f"simulator.route={route}", "--set", f"odometry.noise={noise}", "--set", f"simulator.seed={seed}"])
+            _, timing, summary = bench.offline(log, "sim", [])
+            runs.append({"seed": seed, "error": summary["error"], "odometry_error": summary["odometry_error"], "timing": timing,
+                         "loops": summary["loops"], "verdicts": summary["verdicts"]})
+            log.unlink()
+        report.append({"route": route, "noise": noise, "runs": runs})
+        largest = [r["error"]["aligned_at_first_pose"]["position_m"]["max"] for r in runs]
+        odometry = [r["odometry_error"]["aligned_at_first_pose"]["position_m"]["max"] for r in runs]
+        heading = [r["error"]["aligned_at_first_pose"]["heading_deg"]["mean"] for r in runs]
+        table.append(f"| {route}, {noise} | {len(runs)} | {statistics.median(odometry):.2f} | {statistics.median(largest):.3f} | {max(largest):.3f} | "
+                     f"{statistics.median(heading):.2f} | {statistics.median(r['timing']['times_real_time'] for r in runs):.0f} |")
+        print(table[-1], flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build")
+    parser.add_argument("data")
+    parser.add_argument("--json", required=True)
+    parser.add_argument("--markdown", required=True)
+    parser.add_argument("--seeds", type=int, default=20)
+    options = parser.parse_args()
+    report, table = [], []
+    with tempfile.TemporaryDirectory() as work:
+        bench = Bench(options.build, options.data, work)
+        public_logs(bench, report, table)
+        simulated(bench, options.seeds, report, table)
+    pathlib.Path(options.json).write_text(json.dumps(report, indent=1) + "\n")
+    pathlib.Path(options.markdown).write_text("\n".join(table).lstrip("\n") + "\n")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
