@@ -23,6 +23,7 @@ struct Door {
   std::int64_t id = 0;
   Eigen::Vector2d a, b;      ///< jambs
   double evidence = 0;       ///< log-odds
+  bool closed = false;
   std::int64_t room_a = 0, room_b = 0;  ///< 0: none known
   int region_a = 0, region_b = 0;       ///< on its two sides, in the parted floor it was found on
   double width_m() const { return (b - a).norm(); }
