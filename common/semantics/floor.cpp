@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSmall_m = 1.0;          // islands no longer than this are things, whatever their shape
 constexpr double kWallThickness_m = 0.45;  // longer ones are pieces of wall when they are thinner than this ...
-constexpr double kCompact = 0.72;          // ... or fill less of their box: a cupboard stands against the piece
+constexpr double kCompact = 0.85;          // ... or fill less of their box: a cupboard stands against the piece
 constexpr double kSpeck_m2 = 1.0;  // smaller patches of floor on their own say nothing
 
 double thickness_m(const cv::Mat1b& mask, double resolution_m) {

@@ -12,7 +12,7 @@ constexpr double kTolerance_m = 0.1;     // of the outline's corners
 constexpr double kMinHole_m2 = 3.0;      // smaller ones are furniture
 constexpr double kCorridorWidth_m = 3.2, kCorridorElongation = 4.0;
 constexpr double kReach_m = 0.15;        // the outline lies on what was hit this near
-constexpr double kLeastOfBox = 0.5, kMostForeign = 0.03, kLeastSeenSide = 0.12;
+constexpr double kLeastOfBox = 0.65, kMostForeign = 0.03, kLeastSeenSide = 0.12;
 
 bool is_corridor(const cv::Mat1b& mask, double area_m2, double resolution_m) {
   cv::Mat1f depth;
@@ -42,6 +42,16 @@ double enclosed_share(const Patch& patch) {
   return all ? static_cast<double>(cv::countNonZero(on_barrier)) / all : 0.0;
 }
 
+/// What the region runs all the way round.
+cv::Mat1b holes_of(const cv::Mat1b& mask) {
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  cv::Mat1b holes(mask.size(), std::uint8_t{0});
+  cv::drawContours(holes, contours, -1, cv::Scalar(255), cv::FILLED);
+  holes.setTo(0, mask);
+  return holes;
+}
+
 /// Rooms are boxes more often than not. Where the region's box takes nothing of another region, and something was hit on each of its sides, the
 /// rest of it is what furniture hides.
 void complete_box(Patch& patch) {
@@ -68,6 +78,7 @@ void complete_box(Patch& patch) {
   cv::bitwise_and(filled, patch.foreign, common);
   if (cv::countNonZero(common) > kMostForeign * cv::countNonZero(filled)) return;
   filled.setTo(0, patch.foreign);
+  filled.setTo(0, holes_of(patch.mask));
   cv::bitwise_or(patch.mask, filled, patch.mask);
 }
 

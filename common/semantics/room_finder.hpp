@@ -13,8 +13,8 @@ namespace modslam {
 
 struct RoomOptions {
   double min_area_m2 = 1.5;
-  double min_enclosed = 0.7;   ///< share of the outline that must lie on walls or openings
-  double min_explored = 0.6;
+  double min_enclosed = 0.6;   ///< share of the outline that must lie on walls or openings
+  double min_explored = 0.5;
 };
 
 std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, const KnownSpace& space, const RoomOptions& options);

@@ -19,8 +19,8 @@ struct SemanticsConfig {
   double door_min_m = 0.6;
   double door_max_m = 1.7;
   double room_min_m2 = 1.5;
-  double room_enclosed = 0.7;
-  double room_explored = 0.6;
+  double room_enclosed = 0.6;
+  double room_explored = 0.5;
   double object_max_m2 = 14.0;
 
   void visit(ConfigVisitor& v) {
