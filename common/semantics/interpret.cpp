@@ -109,7 +109,7 @@ SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig
   layers.objects = objects.objects;
   const Floor floor = make_floor(space, config.object_max_m2);
   const Partition partition =
-      part_floor(floor, space, find_openings(floor, space, config.opening_max_m),
+      part_floor(floor, space, find_openings(floor, space, layers.walls, config.opening_max_m),
                  config.opening_probability, config.room_min_m2);
   DoorMapOptions doors;
   doors.min_width_m = config.door_min_m;

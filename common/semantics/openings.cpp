@@ -17,6 +17,7 @@ constexpr double kOutline_m = 0.12;      // detail of the outline that makes no 
 constexpr double kReflex_rad = 0.5;      // least turn of a corner
 constexpr int kPerCorner = 6;            // shortest cuts kept from each corner
 constexpr double kBeyond_m = 1.0, kHitBeyond_m = 0.6, kWay_m = 4.0, kBeside_m = 0.35, kMostFlare = 4;
+constexpr double kAtWall_m = 0.25, kLongWall_m = 3.0;
 
 double cross(const Vec& a, const Vec& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -58,8 +59,8 @@ Outline trace(const Floor& floor) {
 
 class OpeningFinder {
  public:
-  OpeningFinder(const Floor& floor, const KnownSpace& space, double max_width_m)
-      : floor_(floor), space_(space), outline_(trace(floor)), cell_m_(floor.resolution_m), reach_(max_width_m / cell_m_) {}
+  OpeningFinder(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, double max_width_m)
+      : floor_(floor), space_(space), walls_(walls), outline_(trace(floor)), cell_m_(floor.resolution_m), reach_(max_width_m / cell_m_) {}
 
   std::vector<Opening> run() {
     collect();
@@ -198,6 +199,16 @@ class OpeningFinder {
     return std::max(out.dot(c.before), out.dot(c.after));
   }
 
+  double wall_at_m(const Vec& p) const {
+    double longest = 0;
+    for (const Wall& wall : walls_) {
+      const Vec u = wall.direction();
+      const double along = u.dot(p - wall.a), across = u.x() * (p - wall.a).y() - u.y() * (p - wall.a).x();
+      if (std::abs(across) < kAtWall_m && along > -kAtWall_m && along < wall.length_m() + kAtWall_m) longest = std::max(longest, wall.length_m());
+    }
+    return std::min(longest, kLongWall_m);
+  }
+
   double narrowest_near(std::size_t k) const {
     const Cut& cut = cuts_[k];
     double least = cut.length();
@@ -234,12 +245,14 @@ class OpeningFinder {
     pair(kFlareLess, left.flare, right.flare);
     f[kMidClear] = static_cast<float>(floor_.clearance(cell(cut.centre())) / half);
     f[kLocal] = static_cast<float>(cut.length() / narrowest_near(k));
+    pair(kWallLess, wall_at_m(out.a), wall_at_m(out.b));
     out.probability = opening_probability(f);
     return out;
   }
 
   const Floor& floor_;
   const KnownSpace& space_;
+  const std::vector<Wall>& walls_;
   Outline outline_;
   double cell_m_, reach_;
   std::vector<Cut> cuts_;
@@ -247,9 +260,9 @@ class OpeningFinder {
 
 }  // namespace
 
-std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, double max_width_m) {
+std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, double max_width_m) {
   if (floor.open.empty()) return {};
-  return OpeningFinder(floor, space, max_width_m).run();
+  return OpeningFinder(floor, space, walls, max_width_m).run();
 }
 
 }  // namespace modslam

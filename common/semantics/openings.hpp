@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/semantics/floor.hpp"
+#include "common/semantics/types.hpp"
 
 namespace modslam {
 
@@ -22,6 +23,7 @@ enum OpeningFeature {
   kFlareLess, kFlareMore,             ///< free width 0.35 m beside the cut, over its own; at most 4
   kMidClear,                          ///< clearance in the cut's middle over half its width
   kLocal,                             ///< its width over that of the narrowest cut near by
+  kWallLess, kWallMore,               ///< [m] length of the longest wall at the ends; at most 3
   kOpeningFeatures
 };
 
@@ -34,6 +36,6 @@ struct Opening {
 };
 
 /// All cuts of at most max_width_m that a corner of the floor's outline takes part in, with features and probability.
-std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, double max_width_m);
+std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, double max_width_m);
 
 }  // namespace modslam

@@ -17,9 +17,9 @@ namespace {
 using namespace modslam;
 
 /// Every opening with its features, one a line: what `train semantics` learns from.
-std::string openings_csv(const KnownSpace& space, const SemanticsConfig& config) {
+std::string openings_csv(const KnownSpace& space, const std::vector<Wall>& walls, const SemanticsConfig& config) {
   std::ostringstream out;
-  for (const Opening& o : find_openings(make_floor(space, config.object_max_m2), space, config.opening_max_m)) {
+  for (const Opening& o : find_openings(make_floor(space, config.object_max_m2), space, walls, config.opening_max_m)) {
     out << o.a.x() << ',' << o.a.y() << ',' << o.b.x() << ',' << o.b.y() << ',' << o.probability;
     for (const float f : o.features) out << ',' << f;
     out << '\n';
@@ -32,7 +32,7 @@ void run(const std::string& map, const std::string& out, bool openings, const Se
   std::filesystem::create_directories(out);
   write_atomically(out + "/semantic.geojson", semantic_geojson(found.layers));
   write_atomically(out + "/semantic.svg", semantic_svg(found.layers));
-  if (openings) write_atomically(out + "/openings.csv", openings_csv(found.space, config));
+  if (openings) write_atomically(out + "/openings.csv", openings_csv(found.space, found.layers.walls, config));
   std::cout << map << ": " << found.layers.walls.size() << " walls, " << found.layers.rooms.size() << " rooms, " << found.layers.doors.size()
             << " doors, " << found.layers.objects.size() << " objects\n"
             << "  results  " << out << "/semantic.geojson, semantic.svg\n";

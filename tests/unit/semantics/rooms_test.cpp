@@ -24,7 +24,7 @@ bool counter_clockwise(const std::vector<Eigen::Vector2d>& outline) {
 
 Partition parted(const KnownSpace& space) {
   const Floor floor = make_floor(space, 14);
-  return part_floor(floor, space, find_openings(floor, space, 3.5), 0.5, 1.5);
+  return part_floor(floor, space, find_openings(floor, space, {}, 3.5), 0.5, 1.5);
 }
 
 std::vector<Room> rooms_of(const KnownSpace& space) { return find_rooms(parted(space), make_floor(space, 14), space, {}); }
