@@ -108,9 +108,10 @@ SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig
   layers.walls = find_walls(evidence, objects, config);
   layers.objects = objects.objects;
   const Floor floor = make_floor(space, config.object_max_m2);
-  const Partition partition =
-      part_floor(floor, space, find_openings(floor, space, layers.walls, config.opening_max_m),
-                 config.opening_probability, config.room_min_m2);
+  PartitionOptions parting;
+  parting.min_probability = config.opening_probability;
+  parting.min_room_m2 = config.room_min_m2;
+  const Partition partition = part_floor(floor, space, layers.walls, find_openings(floor, space, layers.walls, config.opening_max_m), parting);
   DoorMapOptions doors;
   doors.min_width_m = config.door_min_m;
   doors.max_width_m = config.door_max_m;

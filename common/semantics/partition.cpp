@@ -12,6 +12,7 @@ namespace {
 using Vec = Eigen::Vector2d;
 
 constexpr double kLookFrom_m = 0.08, kLookTo_m = 0.6;  // beside a cut, for the region there
+constexpr double kOnWall_m = 0.2;
 constexpr double kSameWay = 0.7;                       // |cos| of cuts that may be one opening
 
 double side_of(const Vec& a, const Vec& b, const Vec& p) { return (b - a).x() * (p - a).y() - (b - a).y() * (p - a).x(); }
@@ -76,15 +77,34 @@ void join_small_regions(const std::vector<CutOpening>& cuts, std::vector<double>
   }
 }
 
+/// Share of each region's rim that lies on walls; where a region meets another or a cut is no rim.
+std::vector<double> walled_shares(const cv::Mat1i& labels, int count, const KnownSpace& space, const std::vector<Wall>& walls, const cv::Mat1b& floor) {
+  cv::Mat1b on_wall(labels.size(), std::uint8_t{0});
+  const int thick = 2 * static_cast<int>(std::lround(kOnWall_m / space.resolution_m)) + 1;
+  for (const Wall& wall : walls) cv::line(on_wall, space.cell(wall.a), space.cell(wall.b), cv::Scalar(255), thick);
+  std::vector<int> rim(static_cast<std::size_t>(count), 0), walled(static_cast<std::size_t>(count), 0);
+  for (int y = 1; y + 1 < labels.rows; ++y)
+    for (int x = 1; x + 1 < labels.cols; ++x) {
+      const int label = labels(y, x);
+      if (label == 0 || (floor(y, x - 1) && floor(y, x + 1) && floor(y - 1, x) && floor(y + 1, x))) continue;
+      ++rim[static_cast<std::size_t>(label)];
+      walled[static_cast<std::size_t>(label)] += on_wall(y, x) > 0;
+    }
+  std::vector<double> shares;
+  for (std::size_t k = 0; k < rim.size(); ++k) shares.push_back(rim[k] ? static_cast<double>(walled[k]) / rim[k] : 0.0);
+  return shares;
+}
+
 }  // namespace
 
-Partition part_floor(const Floor& floor, const KnownSpace& space, std::vector<Opening> openings, double min_probability, double min_room_m2) {
+Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, std::vector<Opening> openings,
+                     const PartitionOptions& options) {
   Partition out;
   if (floor.open.empty()) return out;
   std::stable_sort(openings.begin(), openings.end(), [](const Opening& p, const Opening& q) { return p.probability > q.probability; });
   cv::Mat1b open = floor.open.clone();
   for (const Opening& opening : openings) {
-    if (opening.probability < min_probability) break;
+    if (opening.probability < options.min_probability) break;
     const bool told = std::any_of(out.cuts.begin(), out.cuts.end(), [&](const CutOpening& cut) { return same_opening(cut.opening, opening); });
     if (told) continue;
     out.cuts.push_back({opening, 0, 0});
@@ -100,7 +120,12 @@ Partition part_floor(const Floor& floor, const KnownSpace& space, std::vector<Op
     cut.right = region_beside(out.labels, space, cut.opening, -1);
   }
   Regions regions(count);
-  join_small_regions(out.cuts, area_m2, min_room_m2, regions);
+  if (!walls.empty()) {
+    const auto shares = walled_shares(out.labels, count, space, walls, floor.open);
+    for (std::size_t k = 0; k < area_m2.size(); ++k)
+      if (area_m2[k] < options.small_m2 && shares[k] < options.min_walled) area_m2[k] = std::min(area_m2[k], 0.5 * options.min_room_m2);
+  }
+  join_small_regions(out.cuts, area_m2, options.min_room_m2, regions);
   for (int& label : out.labels) label = regions.root(label);
   for (CutOpening& cut : out.cuts) cut.left = regions.root(cut.left), cut.right = regions.root(cut.right);
   out.cuts.erase(std::remove_if(out.cuts.begin(), out.cuts.end(), [](const CutOpening& cut) { return cut.left == cut.right || !cut.left || !cut.right; }),

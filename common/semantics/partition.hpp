@@ -16,8 +16,16 @@ struct Partition {
   std::vector<CutOpening> cuts;   ///< surest first; each parts two regions
 };
 
-/// Takes the surest openings first, none that says the same as one before. Regions that are too small to be rooms join a neighbour through
-/// their least sure opening.
-Partition part_floor(const Floor& floor, const KnownSpace& space, std::vector<Opening> openings, double min_probability, double min_room_m2);
+struct PartitionOptions {
+  double min_probability = 0.5;
+  double min_room_m2 = 1.5;
+  double small_m2 = 5.0;
+  double min_walled = 0.25;   ///< share of a small region's outline, openings left out, that lies on walls: between parked cars there are none
+};
+
+/// Takes the surest openings first, none that says the same as one before. Regions that are too small to be rooms, or have too little wall
+/// around them, join a neighbour through their least sure opening. No walls given: none are asked for.
+Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, std::vector<Opening> openings,
+                     const PartitionOptions& options);
 
 }  // namespace modslam

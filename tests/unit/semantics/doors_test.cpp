@@ -38,7 +38,7 @@ struct Scene {
   }
   std::vector<Door> doors() const {
     const Floor floor = make_floor(space, 14);
-    return find_doors(part_floor(floor, space, find_openings(floor, space, {}, 3.5), 0.5, 1.5), sightings, {});
+    return find_doors(part_floor(floor, space, {}, find_openings(floor, space, {}, 3.5), {}), sightings, {});
   }
 };
 

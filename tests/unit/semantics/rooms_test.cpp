@@ -24,7 +24,7 @@ bool counter_clockwise(const std::vector<Eigen::Vector2d>& outline) {
 
 Partition parted(const KnownSpace& space) {
   const Floor floor = make_floor(space, 14);
-  return part_floor(floor, space, find_openings(floor, space, {}, 3.5), 0.5, 1.5);
+  return part_floor(floor, space, {}, find_openings(floor, space, {}, 3.5), {});
 }
 
 std::vector<Room> rooms_of(const KnownSpace& space) { return find_rooms(parted(space), make_floor(space, 14), space, {}); }
@@ -150,4 +150,17 @@ TEST_CASE("a long thin island is a piece of wall, a big block is building, a sha
   REQUIRE(found.objects.empty());
   REQUIRE(cv::countNonZero(found.mask) == 0);
   REQUIRE(find_objects(KnownSpace(OccupancyMap(0.1, 20)), 14).objects.empty());
+}
+
+TEST_CASE("a small nook without walls around it joins the room it opens to") {
+  const TwoRooms plan;
+  KnownSpace space = plan.space;
+  test::fill(space, 1, 6, 2.5, 6.1, test::kSolid);  // a box and the wall close a nook in but for a gap
+  test::fill(space, 3.2, 5, 3.3, 7, test::kSolid);
+  const Floor floor = make_floor(space, 14);
+  std::vector<Wall> walls;
+  test::add_faces(walls, 7.1, 1, 11, 7);
+  const Partition partition = part_floor(floor, space, walls, find_openings(floor, space, walls, 3.5), {});
+  const cv::Point nook = space.cell({1.6, 6.5}), room = space.cell({4, 2});
+  REQUIRE(partition.labels(nook) == partition.labels(room));
 }
