@@ -84,7 +84,9 @@ def robot_maps(data, work):
 
 def annotate(m, binary, extra=()):
     out = os.path.join(m.folder, "out")
-    subprocess.run([os.path.join(binary, "modslam-annotate"), os.path.join(m.folder, "map.yaml"), "--out", out, *extra], check=True, stdout=subprocess.DEVNULL)
+    house = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+    subprocess.run([os.path.join(binary, "modslam-annotate"), os.path.join(m.folder, "map.yaml"), "--out", out, *extra], check=True,
+                   stdout=subprocess.DEVNULL, cwd=house)
     with open(os.path.join(out, "semantic.geojson")) as f:
         return json.load(f)["features"]
 

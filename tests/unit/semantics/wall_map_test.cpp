@@ -113,3 +113,10 @@ TEST_CASE("the two edges of a desk in the middle of a hall are furniture; the fi
   REQUIRE(find_furniture(walls, nowhere_free) == std::vector<bool>{false, false});
   REQUIRE(find_furniture({}, nowhere_free).empty());
 }
+
+TEST_CASE("a hundred thousand segments on a hundred walls are merged to a hundred walls") {
+  std::vector<PlacedSegments> scans(1000);
+  for (int scan = 0; scan < 1000; ++scan)
+    for (int k = 0; k < 100; ++k) scans[static_cast<std::size_t>(scan)].push_back(segment(0, k, 3 + 0.001 * (scan % 7), k));
+  REQUIRE(merge_segments(scans, {}, everywhere).size() == 100);
+}
