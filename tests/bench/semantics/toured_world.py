@@ -220,6 +220,8 @@ def tour_of(world):
         start = None
     reachable = parts == part
     stops = [s for room in rooms for s in stops_of(floor, room["geometry"]["coordinates"][0], reachable)]
+    if not stops:
+        sys.exit("no room of this plan can be entered")
     if start is None:
         start = stops[0]
     way = [start]
