@@ -11,6 +11,7 @@ readonly BIN=$BUILD/bin
 CONFIG=$HOUSE/config/modslam.toml
 source procs/launch/setup.sh    # packages and build
 source procs/launch/network.sh  # port, multicast route
+source procs/launch/semantics.sh  # annotate, train; the bench of the semantic map
 source procs/launch/run.sh      # one run: folder, processes under supervisor, results
 source procs/launch/bench.sh    # bench NAME
 
@@ -27,6 +28,8 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
   ./run.sh offline LOG --out DIR              the same in one program, as fast as the machine, same bytes every time
   ./run.sh import FILE OUT.lcm [--laser-x M --laser-y M --laser-yaw RAD]
                                               CARMEN .log/.clf (.gz, .xz) or MRPT .rawlog to an LCM log
+  ./run.sh annotate MAP.yaml --out DIR        walls, rooms, doors, objects of a finished grid map: GeoJSON, SVG
+  ./run.sh train semantics [FOLDER]           learn from labelled maps which openings part rooms
   ./run.sh simulate OUT.lcm [--set T.K=V]...  a simulated log without the network
   ./run.sh evaluate ...                       scores: --relations, --truth, --semantic (evaluate --help)
   ./run.sh optimize FILE.g2o [--robust] [--method toro] [--out OUT.g2o] [--json OUT.json]
@@ -120,7 +123,7 @@ main() {
     build) ensure_built all ;;
     test) ensure_built all; run_tests "$@" ;;
     bench) bench "$@" ;;
-    demo | live | replay | offline | simulate | evaluate | optimize | report | record | spy | view | status | doctor) ensure_built programs; "$verb" "$@" ;;
+    demo | live | replay | offline | simulate | annotate | train | evaluate | optimize | report | record | spy | view | status | doctor) ensure_built programs; "$verb" "$@" ;;
     import) ensure_built programs; import_log "$@" ;;
     *) echo "run.sh: '$verb' is no verb" >&2; help >&2; exit 2 ;;
   esac

@@ -26,7 +26,58 @@ void put_ends(Message& message, const Eigen::Vector2d& a, const Eigen::Vector2d&
   message.b[1] = b.y();
 }
 
+template <class Message>
+std::vector<Eigen::Vector2d> outline_of(const Message& message) {
+  std::vector<Eigen::Vector2d> outline;
+  for (std::size_t k = 0; k < message.x.size() && k < message.y.size(); ++k) outline.emplace_back(message.x[k], message.y[k]);
+  return outline;
+}
+
 }  // namespace
+
+Wall from_message(const wall_t& message) {
+  Wall wall;
+  wall.id = message.id;
+  wall.a = {message.a[0], message.a[1]};
+  wall.b = {message.b[0], message.b[1]};
+  wall.evidence = message.evidence;
+  wall.sigma_m = message.sigma_m;
+  return wall;
+}
+
+Door from_message(const door_t& message) {
+  Door door;
+  door.id = message.id;
+  door.a = {message.a[0], message.a[1]};
+  door.b = {message.b[0], message.b[1]};
+  door.evidence = message.evidence;
+  door.closed = message.state == door_t::CLOSED;
+  door.room_a = message.room_a;
+  door.room_b = message.room_b;
+  return door;
+}
+
+Room from_message(const room_t& message) {
+  Room room;
+  room.id = message.id;
+  room.name = message.name;
+  room.corridor = message.type == room_t::CORRIDOR;
+  room.area_m2 = message.area_m2;
+  room.explored = message.explored;
+  room.evidence = message.evidence;
+  room.outline = outline_of(message);
+  return room;
+}
+
+Object from_message(const object_t& message) {
+  Object object;
+  object.id = message.id;
+  object.class_name = message.class_name;
+  object.area_m2 = message.area_m2;
+  object.evidence = message.evidence;
+  object.outline = outline_of(message);
+  return object;
+}
 
 wall_t to_message(const Wall& wall) {
   wall_t message{};
@@ -45,7 +96,7 @@ door_t to_message(const Door& door) {
   message.evidence = door.evidence;
   message.room_a = door.room_a;
   message.room_b = door.room_b;
-  message.state = door_t::OPEN;  // found by looking through it
+  message.state = door.closed ? door_t::CLOSED : door_t::OPEN;
   return message;
 }
 

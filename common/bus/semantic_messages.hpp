@@ -11,6 +11,10 @@
 
 namespace modslam {
 
+Wall from_message(const wall_t& message);
+Door from_message(const door_t& message);
+Room from_message(const room_t& message);
+Object from_message(const object_t& message);
 wall_t to_message(const Wall& wall);
 door_t to_message(const Door& door);
 room_t to_message(const Room& room);

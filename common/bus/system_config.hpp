@@ -11,7 +11,7 @@
 #include "common/maps/map_builder.hpp"
 #include "common/matching/scan_matcher.hpp"
 #include "common/motion/odometry_model.hpp"
-#include "common/semantics/semantic_mapper.hpp"
+#include "common/semantics/semantics_config.hpp"
 #include "common/world/ins_noise.hpp"
 #include "common/world/laser_noise.hpp"
 #include "common/world/odometry_noise.hpp"

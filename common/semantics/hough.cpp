@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 
 namespace modslam {
 namespace {
@@ -39,34 +40,37 @@ class Accumulator {
     for (const ScanPoint& point : points) reach = std::max(reach, (point.p - origin_).norm());
     angles_ = static_cast<int>(std::lround(kPi / options.cell_rad));
     half_ = static_cast<int>(reach / options.cell_m) + 2;
-    votes_.assign(static_cast<std::size_t>(angles_) * static_cast<std::size_t>(2 * half_ + 1), 0);
+    votes_ = cv::Mat1s(angles_, 2 * half_ + 1, std::int16_t{0});
     for (int k = 0; k < angles_; ++k) {
       const double angle = k * kPi / angles_;
       normals_.push_back({std::cos(angle), std::sin(angle)});
     }
   }
   void vote(const Eigen::Vector2d& p, int weight) {
-    for (int k = 0; k < angles_; ++k) votes_[index(k, p)] += weight;
+    const double inverse = 1 / options_.cell_m, offset = half_;
+    const Eigen::Vector2d q = inverse * (p - origin_);
+    for (int k = 0; k < angles_; ++k) {
+      const Eigen::Vector2d& n = normals_[static_cast<std::size_t>(k)];
+      std::int16_t& votes = votes_(k, static_cast<int>(n.x() * q.x() + n.y() * q.y() + offset));
+      votes = static_cast<std::int16_t>(votes + weight);
+    }
   }
   /// Fullest bucket. @return its votes.
   int fullest(Eigen::Vector2d& normal, double& distance) const {
-    const auto best = std::max_element(votes_.begin(), votes_.end());
-    const auto at = static_cast<int>(best - votes_.begin());
-    normal = normals_[static_cast<std::size_t>(at / (2 * half_ + 1))];
-    distance = (at % (2 * half_ + 1) - half_ + 0.5) * options_.cell_m + normal.dot(origin_);
-    return *best;
+    double most = 0;
+    cv::Point at;
+    cv::minMaxLoc(votes_, nullptr, &most, nullptr, &at);
+    normal = normals_[static_cast<std::size_t>(at.y)];
+    distance = (at.x - half_ + 0.5) * options_.cell_m + normal.dot(origin_);
+    return static_cast<int>(most);
   }
 
  private:
-  std::size_t index(int k, const Eigen::Vector2d& p) const {
-    const double r = normals_[static_cast<std::size_t>(k)].dot(p - origin_) / options_.cell_m;
-    return static_cast<std::size_t>(k * (2 * half_ + 1) + static_cast<int>(std::floor(r)) + half_);
-  }
   HoughOptions options_;
   Eigen::Vector2d origin_;
   int angles_ = 0, half_ = 0;
   std::vector<Eigen::Vector2d> normals_;
-  std::vector<int> votes_;
+  cv::Mat1s votes_;
 };
 
 /// Runs of members without a gap, in order along the line.

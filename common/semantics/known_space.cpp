@@ -50,6 +50,33 @@ KnownSpace::KnownSpace(const OccupancyMap& map) : resolution_m(map.resolution_m(
   }
 }
 
+KnownSpace::KnownSpace(const MapImage& map, double resolution) : resolution_m(resolution) {
+  const cv::Mat1b cells(map.height, map.width, const_cast<std::uint8_t*>(map.cells.data()));
+  std::vector<cv::Point> known;
+  cv::findNonZero(cells, known);
+  if (known.empty()) return;
+  constexpr int kMargin = 4;
+  const cv::Rect box = cv::boundingRect(known);
+  const double scale = map.resolution_m / resolution;
+  origin_m = map.origin_m + map.resolution_m * Eigen::Vector2d(box.x, box.y) - kMargin * resolution * Eigen::Vector2d(1, 1);
+  const cv::Size size(static_cast<int>(std::ceil(box.width * scale)) + 2 * kMargin, static_cast<int>(std::ceil(box.height * scale)) + 2 * kMargin);
+  cv::Mat1i free(size, 0), asked(size, 0);
+  occupancy = cv::Mat1b(size, std::uint8_t{0});
+  // A coarser map fills several cells with each of its own.
+  const int steps = std::max(1, static_cast<int>(std::ceil(scale)));
+  for (int y = 0; y < box.height * steps; ++y)
+    for (int x = 0; x < box.width * steps; ++x) {
+      const std::uint8_t value = cells(box.y + y / steps, box.x + x / steps);
+      const int row = static_cast<int>((y + 0.5) * scale / steps) + kMargin, column = static_cast<int>((x + 0.5) * scale / steps) + kMargin;
+      ++asked(row, column);
+      free(row, column) += value > 0 && value < 128;
+      if (value >= 128) occupancy(row, column) = 255;
+    }
+  for (int row = 0; row < size.height; ++row)
+    for (int column = 0; column < size.width; ++column)
+      if (occupancy(row, column) == 0 && 2 * free(row, column) > asked(row, column)) occupancy(row, column) = 1;
+}
+
 std::vector<Eigen::Vector2d> outline_of(const cv::Mat1b& mask, const KnownSpace& space, double min_hole_m2,
                                         double tolerance_m) {
   cv::Mat1b fine;

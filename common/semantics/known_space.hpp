@@ -3,6 +3,7 @@
 #pragma once
 #include <opencv2/core.hpp>
 
+#include "common/maps/mosaic.hpp"
 #include "common/maps/occupancy_map.hpp"
 
 namespace modslam {
@@ -13,6 +14,8 @@ struct KnownSpace {
   cv::Mat1b occupancy;             ///< 0 unknown, else 1 + 254 * probability
 
   explicit KnownSpace(const OccupancyMap& map);
+  /// The part of a finished map around what is known, in cells of `resolution_m`: a finer map's cell is occupied where any of its cells is.
+  KnownSpace(const MapImage& map, double resolution_m);
 
   bool empty() const { return occupancy.empty(); }
   cv::Point cell(const Eigen::Vector2d& p) const {

@@ -2,55 +2,17 @@
 #include "common/semantics/room_finder.hpp"
 
 #include <cmath>
+#include <map>
 #include <opencv2/imgproc.hpp>
 
 namespace modslam {
 namespace {
 
-constexpr double kTolerance_m = 0.15;    // of the outline's corners
+constexpr double kTolerance_m = 0.1;     // of the outline's corners
 constexpr double kMinHole_m2 = 3.0;      // smaller ones are furniture
 constexpr double kCorridorWidth_m = 3.2, kCorridorElongation = 4.0;
-
-void draw(cv::Mat1b& image, const KnownSpace& space, const Eigen::Vector2d& a, const Eigen::Vector2d& b, int value) {
-  cv::line(image, space.cell(a), space.cell(b), cv::Scalar(value), 1, cv::LINE_8);  // 8-connected: stops a 4-connected flood
-}
-
-/// 255 where both are set.
-cv::Mat1b both(const cv::Mat1b& p, const cv::Mat1b& q) {
-  cv::Mat1b p_set, q_set, out;
-  cv::inRange(p, 1, 255, p_set);
-  cv::inRange(q, 1, 255, q_set);
-  cv::bitwise_and(p_set, q_set, out);
-  return out;
-}
-
-/// Spreads each label into what is neither barrier nor labelled, at most `steps` cells deep.
-void grow(cv::Mat1i& labels, const cv::Mat1b& barrier, int steps) {
-  std::vector<cv::Point> front, next;
-  for (int y = 0; y < labels.rows; ++y)
-    for (int x = 0; x < labels.cols; ++x)
-      if (labels(y, x) > 0) front.push_back({x, y});
-  for (int step = 0; step < steps && !front.empty(); ++step) {
-    next.clear();
-    for (const cv::Point& c : front)
-      for (const cv::Point& d : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
-        const cv::Point to = c + d;
-        if (to.x < 0 || to.y < 0 || to.x >= labels.cols || to.y >= labels.rows) continue;
-        if (labels(to) != 0 || barrier(to)) continue;
-        labels(to) = labels(c);
-        next.push_back(to);
-      }
-    std::swap(front, next);
-  }
-}
-
-/// Share of the region's rim that touches a barrier.
-double enclosed_share(const cv::Mat1b& mask, const cv::Mat1b& barrier_near) {
-  cv::Mat1b rim;
-  cv::morphologyEx(mask, rim, cv::MORPH_GRADIENT, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
-  const int all = cv::countNonZero(rim);
-  return all ? static_cast<double>(cv::countNonZero(both(rim, barrier_near))) / all : 0.0;
-}
+constexpr double kReach_m = 0.15;        // the outline lies on what was hit this near
+constexpr double kLeastOfBox = 0.65, kMostForeign = 0.03, kLeastSeenSide = 0.12;
 
 bool is_corridor(const cv::Mat1b& mask, double area_m2, double resolution_m) {
   cv::Mat1f depth;
@@ -63,76 +25,132 @@ bool is_corridor(const cv::Mat1b& mask, double area_m2, double resolution_m) {
   return width_m < kCorridorWidth_m && area_m2 / (width_m * width_m) > kCorridorElongation;
 }
 
+/// What one room is worked out from: the part of the rasters around its region.
+struct Patch {
+  cv::Mat1b mask;      ///< the region
+  cv::Mat1b foreign;   ///< other regions
+  cv::Mat1b barrier;   ///< hits and openings, fattened
+  KnownSpace space;    ///< shares its pictures
+};
+
+/// Share of the region's rim that touches a barrier.
+double enclosed_share(const Patch& patch) {
+  cv::Mat1b rim, on_barrier;
+  cv::morphologyEx(patch.mask, rim, cv::MORPH_GRADIENT, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
+  cv::bitwise_and(rim, patch.barrier, on_barrier);
+  const int all = cv::countNonZero(rim);
+  return all ? static_cast<double>(cv::countNonZero(on_barrier)) / all : 0.0;
+}
+
+/// What the region runs all the way round.
+cv::Mat1b holes_of(const cv::Mat1b& mask) {
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  cv::Mat1b holes(mask.size(), std::uint8_t{0});
+  cv::drawContours(holes, contours, -1, cv::Scalar(255), cv::FILLED);
+  holes.setTo(0, mask);
+  return holes;
+}
+
+/// Rooms are boxes more often than not. Where the region's box takes nothing of another region, and something was hit on each of its sides, the
+/// rest of it is what furniture hides.
+void complete_box(Patch& patch) {
+  std::vector<cv::Point> cells;
+  cv::findNonZero(patch.mask, cells);
+  if (cells.size() < 3) return;
+  cv::RotatedRect box = cv::minAreaRect(cells);
+  if (static_cast<double>(cells.size()) < kLeastOfBox * box.size.area()) return;
+  cv::Point2f corners[4];
+  box.points(corners);
+  for (int k = 0; k < 4; ++k) {
+    int hit = 0, asked = 0;
+    for (double t = 0.02; t < 1; t += 0.02, ++asked) {
+      const cv::Point2f p = corners[k] + static_cast<float>(t) * (corners[(k + 1) % 4] - corners[k]);
+      const cv::Point c(cvRound(p.x), cvRound(p.y));
+      hit += c.x >= 0 && c.y >= 0 && c.x < patch.barrier.cols && c.y < patch.barrier.rows && patch.barrier(c);
+    }
+    if (hit < kLeastSeenSide * asked) return;
+  }
+  std::vector<cv::Point> ring;
+  for (const cv::Point2f& p : corners) ring.emplace_back(cvRound(p.x), cvRound(p.y));
+  cv::Mat1b filled(patch.mask.size(), std::uint8_t{0}), common;
+  cv::fillConvexPoly(filled, ring, cv::Scalar(255));
+  cv::bitwise_and(filled, patch.foreign, common);
+  if (cv::countNonZero(common) > kMostForeign * cv::countNonZero(filled)) return;
+  filled.setTo(0, patch.foreign);
+  filled.setTo(0, holes_of(patch.mask));
+  cv::bitwise_or(patch.mask, filled, patch.mask);
+}
+
+bool make_room(Patch& patch, const RoomOptions& options, Room& room) {
+  room.evidence = enclosed_share(patch);
+  if (room.evidence < options.min_enclosed) return false;
+  complete_box(patch);
+  room.outline = outline_of(patch.mask, patch.space, kMinHole_m2, kTolerance_m);
+  if (room.outline.size() < 3) return false;
+  std::vector<cv::Point> ring;
+  for (const Eigen::Vector2d& p : room.outline) ring.push_back(patch.space.cell(p));
+  cv::Mat1b filled(patch.mask.size(), std::uint8_t{0}), seen;
+  cv::fillPoly(filled, std::vector<std::vector<cv::Point>>{ring}, cv::Scalar(255));
+  cv::inRange(patch.space.occupancy, 1, 255, seen);
+  cv::bitwise_and(seen, filled, seen);
+  const double inside = cv::countNonZero(filled);
+  room.explored = inside > 0 ? cv::countNonZero(seen) / inside : 0.0;
+  room.area_m2 = polygon_area_m2(room.outline);
+  room.corridor = is_corridor(patch.mask, room.area_m2, patch.space.resolution_m);
+  return room.area_m2 >= options.min_area_m2 && room.explored >= options.min_explored;
+}
+
 }  // namespace
 
-std::vector<Room> find_rooms(const std::vector<Wall>& walls, const std::vector<Door>& doors, const KnownSpace& space,
-                             const RoomOptions& options) {
-  if (space.empty()) return {};
-  cv::Mat1b barrier(space.occupancy.size(), std::uint8_t{0});
-  for (const Wall& wall : walls) {
-    const Eigen::Vector2d out = options.wall_extension_m * wall.direction();
-    draw(barrier, space, wall.a - out, wall.b + out, 255);
-  }
-  for (const Door& door : doors) {
-    const Eigen::Vector2d out = 0.25 * (door.b - door.a).normalized();
-    draw(barrier, space, door.a - out, door.b + out, 255);
-  }
-  // Cells seen free more often than not, outside the barriers, are the floor.
-  cv::Mat1b floor;
-  cv::inRange(space.occupancy, 1, 127, floor);
-  floor.setTo(0, barrier);
-  cv::Mat1i labels, statistics;
-  cv::Mat1d centres;
-  const int count = cv::connectedComponentsWithStats(floor, labels, statistics, centres, 4, CV_32S);
-  const double cell_m2 = space.resolution_m * space.resolution_m;
-  std::vector<int> kept;
-  for (int k = 1; k < count; ++k)
-    if (statistics(k, cv::CC_STAT_AREA) * cell_m2 >= options.min_area_m2) kept.push_back(k);
-  cv::Mat1i regions(labels.size(), 0);
-  for (const int k : kept) regions.setTo(k, labels == k);
-  grow(regions, barrier, static_cast<int>(options.fringe_m / space.resolution_m));
+std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, const KnownSpace& space, const RoomOptions& options) {
+  if (partition.labels.empty()) return {};
+  cv::Mat1b barrier = floor.solid.clone();
+  for (const CutOpening& cut : partition.cuts)
+    cv::line(barrier, space.cell(cut.opening.a), space.cell(cut.opening.b), cv::Scalar(255), 1, cv::LINE_8);
+  const int reach = 2 * static_cast<int>(std::lround(kReach_m / space.resolution_m)) + 1;
+  cv::dilate(barrier, barrier, cv::getStructuringElement(cv::MORPH_RECT, {reach, reach}));
 
-  cv::Mat1b barrier_near;
-  cv::dilate(barrier, barrier_near, cv::getStructuringElement(cv::MORPH_RECT, {5, 5}));
+  std::map<int, cv::Rect> boxes;
+  for (int y = 0; y < partition.labels.rows; ++y) {
+    const int* row = partition.labels[y];
+    for (int x = 0; x < partition.labels.cols; ++x) {
+      if (row[x] == 0 || (x > 0 && row[x] == row[x - 1])) continue;
+      int end = x;
+      while (end < partition.labels.cols && row[end] == row[x]) ++end;
+      const auto [box, fresh] = boxes.insert({row[x], cv::Rect(x, y, end - x, 1)});
+      if (!fresh) box->second |= cv::Rect(x, y, end - x, 1);
+    }
+  }
   std::vector<Room> rooms;
-  for (const int k : kept) {
-    cv::Mat1b region;
-    cv::inRange(regions, k, k, region);
-    cv::Rect box = cv::boundingRect(region);
-    box = cv::Rect(box.x - 2, box.y - 2, box.width + 4, box.height + 4) & cv::Rect(0, 0, region.cols, region.rows);
-    cv::Mat1b mask = region(box).clone();
-    KnownSpace part = space;  // shares the picture's data; only the origin differs
-    part.origin_m += space.resolution_m * Eigen::Vector2d(box.x, box.y);
-
+  for (const auto& [label, tight] : boxes) {
+    if (tight.area() * space.resolution_m * space.resolution_m < options.min_area_m2) continue;
+    constexpr int kMargin = 8;
+    const cv::Rect box = cv::Rect(tight.x - kMargin, tight.y - kMargin, tight.width + 2 * kMargin, tight.height + 2 * kMargin) &
+                         cv::Rect(0, 0, barrier.cols, barrier.rows);
+    Patch patch{{}, {}, barrier(box), space};
+    patch.space.occupancy = space.occupancy(box);
+    patch.space.origin_m += space.resolution_m * Eigen::Vector2d(box.x, box.y);
+    cv::inRange(partition.labels(box), label, label, patch.mask);
+    cv::inRange(partition.labels(box), 1, partition.labels.rows * partition.labels.cols, patch.foreign);
+    patch.foreign.setTo(0, patch.mask);
     Room room;
-    room.outline = outline_of(mask, part, kMinHole_m2, kTolerance_m);
-    if (room.outline.size() < 3) continue;
-    std::vector<cv::Point> ring;
-    for (const Eigen::Vector2d& p : room.outline) ring.push_back(part.cell(p));
-    cv::Mat1b filled(mask.size(), std::uint8_t{0});
-    cv::fillPoly(filled, std::vector<std::vector<cv::Point>>{ring}, cv::Scalar(255));
-    room.area_m2 = polygon_area_m2(room.outline);
-    const double inside = cv::countNonZero(filled);
-    room.explored = inside > 0 ? cv::countNonZero(both(filled, space.occupancy(box))) / inside : 0.0;
-    room.evidence = enclosed_share(mask, barrier_near(box));
-    room.corridor = is_corridor(mask, room.area_m2, space.resolution_m);
-    if (room.area_m2 < options.min_area_m2 || room.evidence < options.min_enclosed || room.explored < options.min_explored) continue;
-    rooms.push_back(room);
+    room.region = label;
+    if (make_room(patch, options, room)) rooms.push_back(std::move(room));
   }
   return rooms;
 }
 
 void join_rooms(std::vector<Door>& doors, const std::vector<Room>& rooms) {
-  const auto room_at = [&](const Eigen::Vector2d& p) -> std::int64_t {
-    for (const Room& room : rooms)
-      if (contains(room.outline, p)) return room.id;
-    return 0;
+  std::map<int, std::int64_t> id_of_region;
+  for (const Room& room : rooms) id_of_region[room.region] = room.id;
+  const auto id = [&](int region) {
+    const auto found = id_of_region.find(region);
+    return found == id_of_region.end() ? std::int64_t{0} : found->second;
   };
   for (Door& door : doors) {
-    const Eigen::Vector2d u = (door.b - door.a).normalized(), n(-u.y(), u.x());
-    door.room_a = door.room_b = 0;
-    for (double d = 0.2; d < 0.8 && door.room_a == 0; d += 0.1) door.room_a = room_at(door.centre() + d * n);
-    for (double d = 0.2; d < 0.8 && door.room_b == 0; d += 0.1) door.room_b = room_at(door.centre() - d * n);
+    door.room_a = id(door.region_a);
+    door.room_b = id(door.region_b);
   }
 }
 

@@ -1,29 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file Rooms: what walls and doors enclose, where the floor was seen.
+/// @file Rooms: regions of the parted floor that are closed in by what was hit and by openings.
 ///
-/// The thesis looked for cycles of wall ends; one hidden corner breaks a cycle, and cycles round unseen space are rooms too. Here known free
-/// floor is flooded with walls (drawn out a little at their ends) and doors as barriers; a flooded region is a room when its outline
-/// lies on walls and doors (the closed cycle), and unexplored space cannot be one because the flood never enters it.
+/// The thesis looked for cycles of wall ends; one hidden corner breaks a cycle, and cycles round unseen space are rooms too. Here a region
+/// of seen floor is a room when its outline lies on hits, walls and openings (the closed cycle), and unexplored space cannot be one.
 #pragma once
 #include <vector>
 
-#include "common/semantics/known_space.hpp"
+#include "common/semantics/partition.hpp"
 #include "common/semantics/types.hpp"
 
 namespace modslam {
 
 struct RoomOptions {
-  double min_area_m2 = 2.0;
-  double wall_extension_m = 0.30;  ///< walls are drawn out so far at both ends to meet others
-  double fringe_m = 0.5;           ///< shadows of furniture this deep still belong to the room
-  double min_enclosed = 0.7;       ///< share of the outline that must lie on walls or doors
-  double min_explored = 0.6;
+  double min_area_m2 = 1.5;
+  double min_enclosed = 0.6;   ///< share of the outline that must lie on walls or openings
+  double min_explored = 0.5;
 };
 
-std::vector<Room> find_rooms(const std::vector<Wall>& walls, const std::vector<Door>& doors, const KnownSpace& space,
-                             const RoomOptions& options);
+std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, const KnownSpace& space, const RoomOptions& options);
 
-/// Fills in the two rooms each door joins: the ones a step to either side of its middle.
+/// Fills in the two rooms each door joins.
 void join_rooms(std::vector<Door>& doors, const std::vector<Room>& rooms);
 
 /// Even-odd rule.

@@ -23,7 +23,9 @@ struct Door {
   std::int64_t id = 0;
   Eigen::Vector2d a, b;      ///< jambs
   double evidence = 0;       ///< log-odds
+  bool closed = false;
   std::int64_t room_a = 0, room_b = 0;  ///< 0: none known
+  int region_a = 0, region_b = 0;       ///< on its two sides, in the parted floor it was found on
   double width_m() const { return (b - a).norm(); }
   Eigen::Vector2d centre() const { return 0.5 * (a + b); }
 };
@@ -34,7 +36,8 @@ struct Room {
   std::string name;
   bool corridor = false;
   double area_m2 = 0, explored = 0;  ///< explored: share of the area that was seen
-  double evidence = 0;               ///< share of the outline that lies on walls and doors
+  double evidence = 0;               ///< share of the outline that lies on walls and openings
+  int region = 0;                    ///< in the parted floor it was found on
   std::vector<Eigen::Vector2d> outline;
 };
 

@@ -34,8 +34,4 @@ struct WallBand {
 std::vector<WallBand> merge_segments(const std::vector<PlacedSegments>& scans, const WallMapOptions& options,
                                      const std::function<bool(const Eigen::Vector2d&)>& is_solid);
 
-/// Takes out the fronts and sides of furniture that stands against walls: a face is a front when a longer wall runs parallel close behind
-/// it, on both or one of its sides; a short face at the end of a front is its side.
-void remove_furniture(std::vector<WallBand>& bands);
-
 }  // namespace modslam

@@ -7,6 +7,7 @@
 #include "common/bus/modules.hpp"
 #include "common/bus/semantic_messages.hpp"
 #include "common/bus/system_config.hpp"
+#include "common/semantics/semantic_mapper.hpp"
 
 namespace modslam {
 namespace {

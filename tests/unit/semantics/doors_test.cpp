@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The door sensor on single scans, and the gaps of the wall map that its sightings make doors.
+/// The door sensor on single scans, and the openings of the floor that are doors.
 #include <catch2/catch.hpp>
 
 #include "common/semantics/door_map.hpp"
@@ -26,25 +26,20 @@ std::vector<DoorSighting> sight(const test::Plan& plan, const Pose2& T_map_base)
   return sightings;
 }
 
-Wall wall(double ax, double ay, double bx, double by) {
-  Wall w;
-  w.a = {ax, ay};
-  w.b = {bx, by};
-  return w;
-}
-
-/// A wall along y = 2.5 from x = 0 to 5 with a door from x = 2 to 2.9, in free floor.
+/// Two rooms one above the other, the wall between at y = 2.5 has a door from x = 2 to 2.9.
 struct Scene {
-  KnownSpace space = test::unknown_floor(5, 5);
-  std::vector<WallBand> bands = {{{wall(0, 2.45, 2, 2.45), wall(2.9, 2.45, 5, 2.45)}}};
+  KnownSpace space = test::unknown_floor(6, 6);
   std::vector<DoorSighting> sightings;
   Scene() {
-    test::fill(space, 0, 0, 5, 5, test::kFree);
-    test::fill(space, 0, 2.4, 2, 2.6, test::kSolid);
-    test::fill(space, 2.9, 2.4, 5, 2.6, test::kSolid);
-    for (int k = 0; k < 6; ++k) sightings.push_back({{2.05, 2.4 + 0.02 * k}, {2.85, 2.45}});
+    test::fill(space, 0.4, 0.4, 5.6, 5.6, test::kSolid);
+    test::fill(space, 0.5, 0.5, 5.5, 5.5, test::kFree);
+    test::fill(space, 0.5, 2.4, 5.5, 2.6, test::kSolid);
+    test::fill(space, 2, 2.4, 2.9, 2.6, test::kFree);
   }
-  std::vector<Door> doors() const { return find_doors(bands, sightings, space, {}); }
+  std::vector<Door> doors() const {
+    const Floor floor = make_floor(space, 14);
+    return find_doors(part_floor(floor, space, {}, find_openings(floor, space, {}, 3.5), {}), sightings, {});
+  }
 };
 
 }  // namespace
@@ -66,18 +61,18 @@ TEST_CASE("a slit, a passage of two metres and a closed wall are no doors") {
   REQUIRE(sight_doors(Scan(), test::short_laser(), {}).empty());
 }
 
-TEST_CASE("a free gap of a wall that scans looked through is a door at its jambs") {
-  const auto doors = Scene().doors();
-  REQUIRE(doors.size() == 1);
-  REQUIRE((doors[0].centre() - Eigen::Vector2d(2.45, 2.45)).norm() < 0.05);
-  REQUIRE(doors[0].width_m() == Approx(0.9).margin(0.02));
-  REQUIRE(doors[0].evidence == Approx(6 * 0.4));
+TEST_CASE("an opening of a wall is a door at its jambs, and each sighting of it adds evidence") {
+  Scene scene;
+  const auto unseen = scene.doors();
+  REQUIRE(unseen.size() == 1);
+  REQUIRE((unseen[0].centre() - Eigen::Vector2d(2.45, 2.5)).norm() < 0.15);
+  REQUIRE(unseen[0].width_m() == Approx(0.9).margin(0.12));
+  for (int k = 0; k < 6; ++k) scene.sightings.push_back({{2.05, 2.4 + 0.02 * k}, {2.85, 2.45}});
+  scene.sightings.push_back({{4.05, 2.4}, {4.85, 2.45}});  // of something else
+  REQUIRE(scene.doors()[0].evidence == Approx(unseen[0].evidence + 6 * 0.4));
 }
 
-TEST_CASE("a gap too few scans looked through, or that is not free, is no door") {
-  Scene few;
-  few.sightings.resize(3);
-  REQUIRE(few.doors().empty());
+TEST_CASE("an opening that is shut or was never seen is no door") {
   Scene shut;
   test::fill(shut.space, 2, 2.4, 2.9, 2.6, test::kSolid);
   REQUIRE(shut.doors().empty());
@@ -86,24 +81,35 @@ TEST_CASE("a gap too few scans looked through, or that is not free, is no door")
   REQUIRE(unseen.doors().empty());
 }
 
-TEST_CASE("the two faces of a wall share one door, which lies between them") {
-  Scene scene;
-  scene.bands.push_back({{wall(5, 2.6, 2.9, 2.6), wall(2, 2.6, 0, 2.6)}});
-  const auto doors = scene.doors();
-  REQUIRE(doors.size() == 1);
-  REQUIRE(doors[0].centre().y() == Approx(2.525).margin(0.01));
-}
-
 TEST_CASE("a door in the corner of a room has the wall across for its second jamb") {
   Scene scene;
-  scene.bands = {{{wall(0, 2.45, 2, 2.45)}}, {{wall(2.9, 0, 2.9, 5)}}};
+  test::fill(scene.space, 2, 2.4, 2.9, 2.6, test::kSolid);
+  test::fill(scene.space, 4.6, 2.4, 5.5, 2.6, test::kFree);
   const auto doors = scene.doors();
   REQUIRE(doors.size() == 1);
-  REQUIRE(doors[0].width_m() == Approx(0.9).margin(0.02));
+  REQUIRE(doors[0].width_m() == Approx(0.9).margin(0.12));
 }
 
-TEST_CASE("without walls there are no doors, whatever was sighted") {
+TEST_CASE("without floor there are no doors, whatever was sighted") {
   Scene scene;
-  scene.bands.clear();
+  scene.space.occupancy.setTo(test::kUnknown);
+  scene.sightings.assign(6, {{2.05, 2.4}, {2.85, 2.45}});
   REQUIRE(scene.doors().empty());
+}
+
+TEST_CASE("noise of any kind makes openings that all have finite features and a probability") {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    RandomStream random(seed, RandomStreamId::kLaser);
+    KnownSpace space = test::unknown_floor(8, 8);
+    for (std::uint8_t& cell : space.occupancy) {
+      const double draw = random.uniform();
+      cell = draw < 0.1 ? test::kSolid : draw < 0.2 ? test::kUnknown : test::kFree;
+    }
+    const Floor floor = make_floor(space, 14);
+    for (const Opening& opening : find_openings(floor, space, {}, 3.5)) {
+      REQUIRE(opening.probability >= 0);
+      REQUIRE(opening.probability <= 1);
+      for (const float feature : opening.features) REQUIRE(std::isfinite(feature));
+    }
+  }
 }

@@ -2,6 +2,7 @@
 /// Outlines, rooms and objects on floors drawn by hand.
 #include <catch2/catch.hpp>
 
+#include "common/semantics/door_map.hpp"
 #include "common/semantics/object_finder.hpp"
 #include "common/semantics/room_finder.hpp"
 #include "tests/support/floor_raster.hpp"
@@ -21,26 +22,21 @@ bool counter_clockwise(const std::vector<Eigen::Vector2d>& outline) {
   return twice > 0;
 }
 
+Partition parted(const KnownSpace& space) {
+  const Floor floor = make_floor(space, 14);
+  return part_floor(floor, space, {}, find_openings(floor, space, {}, 3.5), {});
+}
+
+std::vector<Room> rooms_of(const KnownSpace& space) { return find_rooms(parted(space), make_floor(space, 14), space, {}); }
+
 /// 10 x 6 m of floor, cut at x = 6 by a wall of 0.2 m with a door from y = 2 to 2.9; a margin of 1 m unknown.
 struct TwoRooms {
   KnownSpace space = test::unknown_floor(12, 8);
-  std::vector<Wall> walls;
-  std::vector<Door> doors{1};
   TwoRooms() {
     test::fill(space, 0.9, 0.9, 11.1, 7.1, test::kSolid);
     test::fill(space, 1, 1, 11, 7, test::kFree);
     test::fill(space, 6.9, 1, 7.1, 7, test::kSolid);
     test::fill(space, 6.9, 3, 7.1, 3.9, test::kFree);
-    for (const auto& [x0, x1] : {std::pair(1.0, 6.9), std::pair(7.1, 11.0)}) {
-      test::add_faces(walls, x0, 1, x1, 7);
-      Wall& partition = x0 == 1.0 ? walls[1] : walls[8];  // with the door in it
-      Wall rest = partition;
-      partition.b = {partition.a.x(), x0 == 1.0 ? 3.0 : 3.9};
-      rest.a = {rest.a.x(), x0 == 1.0 ? 3.9 : 3.0};
-      walls.push_back(rest);
-    }
-    doors[0].a = {7, 3};
-    doors[0].b = {7, 3.9};
   }
 };
 
@@ -71,15 +67,18 @@ TEST_CASE("an empty mask and a single cell have no outline that breaks anything"
 }
 
 TEST_CASE("two rooms with a door between are two rooms, and the door names both") {
-  TwoRooms plan;
-  auto rooms = find_rooms(plan.walls, plan.doors, plan.space, {});
+  const TwoRooms plan;
+  const Partition partition = parted(plan.space);
+  auto rooms = find_rooms(partition, make_floor(plan.space, 14), plan.space, {});
   REQUIRE(rooms.size() == 2);
   REQUIRE(rooms[0].area_m2 + rooms[1].area_m2 == Approx(5.9 * 6 + 3.9 * 6).margin((23.8 + 19.8) * kRim_m));
   rooms[0].id = 7;
   rooms[1].id = 9;
-  join_rooms(plan.doors, rooms);
-  REQUIRE(std::min(plan.doors[0].room_a, plan.doors[0].room_b) == 7);
-  REQUIRE(std::max(plan.doors[0].room_a, plan.doors[0].room_b) == 9);
+  auto doors = find_doors(partition, {}, {});
+  REQUIRE(doors.size() == 1);
+  join_rooms(doors, rooms);
+  REQUIRE(std::min(doors[0].room_a, doors[0].room_b) == 7);
+  REQUIRE(std::max(doors[0].room_a, doors[0].room_b) == 9);
   for (const Room& room : rooms) {
     REQUIRE(room.explored > 0.95);
     REQUIRE(room.evidence > 0.9);
@@ -87,19 +86,30 @@ TEST_CASE("two rooms with a door between are two rooms, and the door names both"
   }
 }
 
-TEST_CASE("without its door the two rooms are one") {
+TEST_CASE("a wall that ends in the middle of a hall does not part it") {
   TwoRooms plan;
-  REQUIRE(find_rooms(plan.walls, {}, plan.space, {}).size() == 1);
+  test::fill(plan.space, 6.9, 3, 7.1, 7, test::kFree);
+  REQUIRE(rooms_of(plan.space).size() == 1);
+}
+
+TEST_CASE("a cupboard in a room's corner leaves the room its corner") {
+  TwoRooms plan;
+  test::fill(plan.space, 1, 6, 3, 7, test::kUnknown);
+  test::fill(plan.space, 1, 5.9, 3.1, 6, test::kSolid);
+  test::fill(plan.space, 3, 5.9, 3.1, 7, test::kSolid);
+  const auto rooms = rooms_of(plan.space);
+  REQUIRE(rooms.size() == 2);
+  REQUIRE(std::max(rooms[0].area_m2, rooms[1].area_m2) == Approx(5.9 * 6).margin(23.8 * kRim_m));
 }
 
 TEST_CASE("an unexplored rectangle between walls is no room, nor is open floor without walls") {
   TwoRooms plan;
   test::fill(plan.space, 7.1, 1, 11, 7, test::kUnknown);
-  REQUIRE(find_rooms(plan.walls, plan.doors, plan.space, {}).size() == 1);
+  REQUIRE(rooms_of(plan.space).size() == 1);
   KnownSpace open = test::unknown_floor(8, 8);
   test::fill(open, 1, 1, 7, 7, test::kFree);
-  REQUIRE(find_rooms({}, {}, open, {}).empty());
-  REQUIRE(find_rooms({}, {}, KnownSpace(OccupancyMap(0.1, 20)), {}).empty());
+  REQUIRE(rooms_of(open).empty());
+  REQUIRE(rooms_of(KnownSpace(OccupancyMap(0.1, 20))).empty());
 }
 
 TEST_CASE("a corridor that runs round a block has the block as a hole") {
@@ -107,10 +117,7 @@ TEST_CASE("a corridor that runs round a block has the block as a hole") {
   test::fill(space, 1.9, 1.9, 10.1, 10.1, test::kSolid);
   test::fill(space, 2, 2, 10, 10, test::kFree);
   test::fill_thing(space, 4, 4, 8, 8);
-  std::vector<Wall> walls;
-  test::add_faces(walls, 2, 2, 10, 10);
-  test::add_faces(walls, 4, 4, 8, 8, false);
-  const auto rooms = find_rooms(walls, {}, space, {});
+  const auto rooms = rooms_of(space);
   REQUIRE(rooms.size() == 1);
   REQUIRE(rooms[0].area_m2 == Approx(64 - 16).margin((32 + 16) * kRim_m));
   REQUIRE_FALSE(contains(rooms[0].outline, {6, 6}));
@@ -143,4 +150,17 @@ TEST_CASE("a long thin island is a piece of wall, a big block is building, a sha
   REQUIRE(found.objects.empty());
   REQUIRE(cv::countNonZero(found.mask) == 0);
   REQUIRE(find_objects(KnownSpace(OccupancyMap(0.1, 20)), 14).objects.empty());
+}
+
+TEST_CASE("a small nook without walls around it joins the room it opens to") {
+  const TwoRooms plan;
+  KnownSpace space = plan.space;
+  test::fill(space, 1, 6, 2.5, 6.1, test::kSolid);  // a box and the wall close a nook in but for a gap
+  test::fill(space, 3.2, 5, 3.3, 7, test::kSolid);
+  const Floor floor = make_floor(space, 14);
+  std::vector<Wall> walls;
+  test::add_faces(walls, 7.1, 1, 11, 7);
+  const Partition partition = part_floor(floor, space, walls, find_openings(floor, space, walls, 3.5), {});
+  const cv::Point nook = space.cell({1.6, 6.5}), room = space.cell({4, 2});
+  REQUIRE(partition.labels(nook) == partition.labels(room));
 }

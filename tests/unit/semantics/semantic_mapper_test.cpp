@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "common/semantics/room_finder.hpp"
 #include "tests/support/two_rooms.hpp"
 
 using namespace modslam;

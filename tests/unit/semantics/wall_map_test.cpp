@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "common/semantics/furniture.hpp"
 #include "common/semantics/wall_map.hpp"
 
 #include <catch2/catch.hpp>
@@ -86,16 +87,36 @@ TEST_CASE("merging gives the same bytes for the same segments") {
     for (std::size_t j = 0; j < once[k].walls.size(); ++j) REQUIRE(once[k].walls[j].a == again[k].walls[j].a);
 }
 
-TEST_CASE("the front and side of a wardrobe before a wall go, the wall stays") {
+namespace {
+
+const auto nowhere_free = [](const Eigen::Vector2d&) { return false; };
+
+}  // namespace
+
+TEST_CASE("the front and side of a wardrobe before a wall are furniture, the wall is not") {
   // Free side to the left of a -> b: the room is above; the wardrobe reaches from x = 2 to 3.2, 0.6 m deep.
-  std::vector<WallBand> bands = {{{wall(0, 0, 2, 0), wall(3.2, 0, 6, 0)}}, {{wall(2, 0.6, 3.2, 0.6)}}, {{wall(2, 0, 2, 0.6)}}};
-  remove_furniture(bands);
-  REQUIRE(bands.size() == 1);
-  REQUIRE(bands[0].walls.size() == 2);
+  const std::vector<Wall> walls = {wall(0, 0, 2, 0), wall(3.2, 0, 6, 0), wall(2, 0.6, 3.2, 0.6), wall(2, 0, 2, 0.6)};
+  REQUIRE(find_furniture(walls, nowhere_free) == std::vector<bool>{false, false, true, true});
+  // Floor was seen behind the front: then it is a wall of its own.
+  REQUIRE_FALSE(find_furniture(walls, [](const Eigen::Vector2d&) { return true; })[2]);
 }
 
 TEST_CASE("the end of a partition and the far wall of a narrow room are no furniture") {
-  std::vector<WallBand> bands = {{{wall(0, 0, 6, 0)}}, {{wall(6, 0.9, 0, 0.9)}}, {{wall(0, 4, 3, 4)}}};
-  remove_furniture(bands);
-  REQUIRE(bands.size() == 3);
+  const std::vector<Wall> walls = {wall(0, 0, 12, 0), wall(12, 0.9, 0, 0.9), wall(0, 4, 5, 4)};
+  REQUIRE(find_furniture(walls, nowhere_free) == std::vector<bool>{false, false, false});
+}
+
+TEST_CASE("the two edges of a desk in the middle of a hall are furniture; the first walls of a run are not") {
+  std::vector<Wall> walls = {wall(0, 0, 12, 0), wall(12, 0, 12, 8), wall(5, 4, 6.5, 4), wall(6.5, 4, 6.5, 4.8)};
+  REQUIRE(find_furniture(walls, nowhere_free) == std::vector<bool>{false, false, true, true});
+  walls.erase(walls.begin(), walls.begin() + 2);
+  REQUIRE(find_furniture(walls, nowhere_free) == std::vector<bool>{false, false});
+  REQUIRE(find_furniture({}, nowhere_free).empty());
+}
+
+TEST_CASE("a hundred thousand segments on a hundred walls are merged to a hundred walls") {
+  std::vector<PlacedSegments> scans(1000);
+  for (int scan = 0; scan < 1000; ++scan)
+    for (int k = 0; k < 100; ++k) scans[static_cast<std::size_t>(scan)].push_back(segment(0, k, 3 + 0.001 * (scan % 7), k));
+  REQUIRE(merge_segments(scans, {}, everywhere).size() == 100);
 }

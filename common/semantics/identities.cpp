@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/semantics/identities.hpp"
+
+#include <algorithm>
+
+#include "common/semantics/room_finder.hpp"
+
+namespace modslam {
+namespace {
+
+/// Gives each new thing the id of the old thing it is most like, each old id once; `likeness` <= 0: not the same.
+template <class Thing, class Likeness>
+void keep_ids(std::vector<Thing>& now, const std::vector<Thing>& before, std::int64_t& next_id, Likeness likeness) {
+  struct Pair {
+    double likeness;
+    std::size_t now, before;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t i = 0; i < now.size(); ++i)
+    for (std::size_t j = 0; j < before.size(); ++j)
+      if (const double like = likeness(now[i], before[j]); like > 0) pairs.push_back({like, i, j});
+  std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.likeness > b.likeness; });
+  std::vector<bool> taken(before.size(), false);
+  for (const Pair& pair : pairs) {
+    if (now[pair.now].id != 0 || taken[pair.before]) continue;
+    now[pair.now].id = before[pair.before].id;
+    taken[pair.before] = true;
+  }
+  for (Thing& thing : now)
+    if (thing.id == 0) thing.id = next_id++;
+}
+
+/// Metres of common length of two walls on nearly the same line.
+double likeness_of(const Wall& p, const Wall& q) {
+  const Eigen::Vector2d u = p.direction();
+  if (u.dot(q.direction()) < 0.98) return 0;
+  const Eigen::Vector2d mid = 0.5 * (q.a + q.b) - p.a;
+  if (std::abs(u.x() * mid.y() - u.y() * mid.x()) > 0.15) return 0;
+  const double from = std::max(0.0, u.dot(q.a - p.a)), to = std::min(p.length_m(), u.dot(q.b - p.a));
+  return std::max(0.0, to - from);
+}
+
+double likeness_of(const Door& p, const Door& q) { return 0.5 - (p.centre() - q.centre()).norm(); }
+
+Eigen::Vector2d mean_of(const std::vector<Eigen::Vector2d>& outline) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& p : outline) mean += p;
+  return mean / static_cast<double>(outline.size());
+}
+
+/// Share of a grid of points over both that lies in both: intersection over union.
+double outline_iou(const std::vector<Eigen::Vector2d>& p, const std::vector<Eigen::Vector2d>& q) {
+  Eigen::Vector2d low = p[0], high = p[0];
+  for (const auto* outline : {&p, &q})
+    for (const Eigen::Vector2d& corner : *outline) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
+  const double step = std::max(0.2, (high - low).maxCoeff() / 40);
+  int in_both = 0, in_any = 0;
+  for (double y = low.y() + 0.5 * step; y < high.y(); y += step)
+    for (double x = low.x() + 0.5 * step; x < high.x(); x += step) {
+      const bool a = contains(p, {x, y}), b = contains(q, {x, y});
+      in_both += a && b;
+      in_any += a || b;
+    }
+  return in_any ? static_cast<double>(in_both) / in_any : 0.0;
+}
+
+double likeness_of(const Room& p, const Room& q) {
+  if (!contains(p.outline, mean_of(q.outline)) && !contains(q.outline, mean_of(p.outline)) && std::abs(p.area_m2 - q.area_m2) > 0.3 * p.area_m2)
+    return 0;
+  const double iou = outline_iou(p.outline, q.outline);
+  return iou > 0.3 ? iou : 0.0;
+}
+
+double likeness_of(const Object& p, const Object& q) { return 0.6 - (mean_of(p.outline) - mean_of(q.outline)).norm(); }
+
+}  // namespace
+
+void Identities::carry_over(const SemanticLayers& before, SemanticLayers& now) {
+  const auto likeness = [](const auto& p, const auto& q) { return likeness_of(p, q); };
+  keep_ids(now.walls, before.walls, next_wall_, likeness);
+  keep_ids(now.doors, before.doors, next_door_, likeness);
+  keep_ids(now.rooms, before.rooms, next_room_, likeness);
+  keep_ids(now.objects, before.objects, next_object_, likeness);
+  for (Room& room : now.rooms) room.name = (room.corridor ? "Corridor " : "Room ") + std::to_string(room.id);
+  join_rooms(now.doors, now.rooms);
+}
+
+}  // namespace modslam

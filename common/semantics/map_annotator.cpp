@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/semantics/map_annotator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "common/semantics/evidence_grid.hpp"
+#include "common/semantics/floor.hpp"
+#include "common/semantics/identities.hpp"
+#include "common/semantics/interpret.hpp"
+
+namespace modslam {
+namespace {
+
+constexpr double kCell_m = 0.05, kRange_m = 12.0, kApart_m = 1.0, kRoom_m = 0.25;
+constexpr int kBeams = 360;
+
+/// What a laser at `eye` would measure in the map; 0 where a beam meets nothing.
+Scan look_around(const KnownSpace& space, const Eigen::Vector2d& eye) {
+  Scan scan;
+  scan.rad0 = -kPi;
+  scan.radstep = 2 * kPi / kBeams;
+  const Eigen::Vector2d from = (eye - space.origin_m) / space.resolution_m;
+  for (int k = 0; k < kBeams; ++k) {
+    const double bearing = scan.bearing_rad(static_cast<std::size_t>(k));
+    const Eigen::Vector2d d(std::cos(bearing), std::sin(bearing));
+    double range_m = 0;
+    for (double s = 1; s * space.resolution_m < kRange_m; s += 0.5) {
+      const Eigen::Vector2d p = from + s * d;
+      const cv::Point c(static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())));
+      if (!space.inside(c) || space.occupancy(c) == 0) break;
+      if (space.occupancy(c) < 128) continue;
+      // The cell's centre, seen along the beam: the map says no more.
+      range_m = d.dot(space.centre(c) - eye);
+      break;
+    }
+    scan.ranges_m.push_back(static_cast<float>(range_m));
+  }
+  return scan;
+}
+
+/// The roomiest cell of every square of the floor that a robot would fit into.
+std::vector<Eigen::Vector2d> places(const Floor& floor, const KnownSpace& space) {
+  const int square = static_cast<int>(kApart_m / space.resolution_m);
+  std::vector<Eigen::Vector2d> out;
+  for (int y = 0; y < floor.open.rows; y += square)
+    for (int x = 0; x < floor.open.cols; x += square) {
+      const cv::Rect box = cv::Rect(x, y, square, square) & cv::Rect(0, 0, floor.open.cols, floor.open.rows);
+      cv::Mat1f clearance = floor.clearance(box).clone();
+      clearance.setTo(0, floor.solid(box));
+      double most = 0;
+      cv::Point at;
+      cv::minMaxLoc(clearance, nullptr, &most, nullptr, &at);
+      if (most * space.resolution_m >= kRoom_m) out.push_back(space.centre(at + box.tl()));
+    }
+  return out;
+}
+
+}  // namespace
+
+AnnotatedMap annotate(const MapImage& map, const SemanticsConfig& config) {
+  AnnotatedMap out{{}, KnownSpace(map, kCell_m)};
+  if (out.space.empty()) return out;
+  const Floor floor = make_floor(out.space, config.object_max_m2);
+  SensorInfo sensor;
+  sensor.range_max_m = kRange_m;
+  EvidenceGrid grid;
+  SemanticEvidence evidence{out.space, {}, {}, [&grid](const Eigen::Vector2d& p) { return grid.log_odds(p); }};
+  HoughOptions hough;
+  hough.min_length_m = config.line_min_m;
+  DoorSensorOptions doors;
+  doors.min_width_m = config.door_min_m;
+  doors.max_width_m = config.door_max_m;
+  for (const Eigen::Vector2d& eye : places(floor, out.space)) {
+    const Scan scan = look_around(out.space, eye);
+    const Pose2 T_map_base(eye.x(), eye.y(), 0);
+    std::vector<ScanPoint> points = points_base(scan, sensor);
+    for (ScanPoint& point : points) point.p = T_map_base * point.p;
+    const LineExtraction lines = extract_lines(points, eye, scan.radstep, hough);
+    for (std::size_t k = 0; k < points.size(); ++k) grid.add(points[k].p, lines.on_segment[k], 1);
+    evidence.scans.push_back(lines.segments);
+    for (const DoorSighting& s : sight_doors(scan, sensor, doors)) evidence.sightings.push_back({T_map_base * s.a, T_map_base * s.b});
+  }
+  out.layers = interpret(evidence, config);
+  Identities().carry_over({}, out.layers);
+  return out;
+}
+
+}  // namespace modslam

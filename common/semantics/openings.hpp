@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Openings: places where the floor narrows between two corners of what bounds it, or between a corner and a wall. Doors are
+/// openings, the mouth of a corridor is one; most are none, and the features tell.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "common/semantics/floor.hpp"
+#include "common/semantics/types.hpp"
+
+namespace modslam {
+
+/// What is measured of a cut through the floor. Pairs are (less, more) of its two ends or its two sides, so that neither is first.
+enum OpeningFeature {
+  kWidth,                             ///< [m]
+  kSolidLess, kSolidMore,             ///< [m] how far the wall goes on, in line, beyond the ends; at most 1
+  kHitLess, kHitMore,                 ///< share of the first 0.6 m beyond the ends where something was hit
+  kDepthLess, kDepthMore,             ///< [m] free way off the cut to the two sides; at most 4
+  kRoomyLess, kRoomyMore,             ///< largest clearance met on that way over half the width
+  kClearLess, kClearMore,             ///< [m] that clearance itself
+  kTurnLess, kTurnMore,               ///< [rad] turn of the outline at the ends; 0 where a wall is met square
+  kAlignLess, kAlignMore,             ///< |cos| between the cut and the outline at the ends
+  kFlareLess, kFlareMore,             ///< free width 0.35 m beside the cut, over its own; at most 4
+  kMidClear,                          ///< clearance in the cut's middle over half its width
+  kLocal,                             ///< its width over that of the narrowest cut near by
+  kWallLess, kWallMore,               ///< [m] length of the longest wall at the ends; at most 3
+  kOpeningFeatures
+};
+
+struct Opening {
+  Eigen::Vector2d a, b;               ///< map frame [m]
+  std::array<float, kOpeningFeatures> features{};
+  double probability = 0;             ///< of parting two rooms
+  double width_m() const { return (b - a).norm(); }
+  Eigen::Vector2d centre() const { return 0.5 * (a + b); }
+};
+
+/// All cuts of at most max_width_m that a corner of the floor's outline takes part in, with features and probability.
+std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, double max_width_m);
+
+}  // namespace modslam

@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Scores the semantic map: tours of simulated worlds, finished grid maps, maps of a real robot.
+
+bench.py BUILD DATA OUT [--quick]: DATA holds maps/, plans/ and robot_maps/; what is missing is left out and said. Writes OUT/semantics.json and
+OUT/semantics.md, the section for docs/benchmarks.md."""
+import argparse
+import json
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+HOUSE = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
+sys.path.insert(0, HERE)
+import maps  # noqa: E402
+
+
+def run(*command):
+    done = subprocess.run(command, cwd=HOUSE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode not in (0, 2):
+        raise RuntimeError(f"{' '.join(command)}: {done.stdout[-500:]}")
+
+
+def tour(binary, source, out, estimators):
+    """Drives one world through all rooms and scores the map of each estimator."""
+    name = os.path.splitext(os.path.basename(source))[0]
+    folder = os.path.join(out, "tours", name)
+    os.makedirs(folder, exist_ok=True)
+    world, truth, log = (os.path.join(folder, f) for f in ("world.geojson", "truth.geojson", "drive.lcm"))
+    if not os.path.exists(log):
+        run(sys.executable, os.path.join(HERE, "toured_world.py"), source, world)
+        run(f"{binary}/modslam-world-truth", world, truth)
+        run(f"{binary}/modslam-simulate", log, "--set", f"simulator.world={world}", "--set", "simulator.route=tour")
+    scores = {}
+    for estimator in estimators:
+        result = os.path.join(folder, estimator)
+        os.makedirs(result, exist_ok=True)
+        run(f"{binary}/modslam-offline", log, "--out", result, "--set", f"launch.estimator={estimator}", "--set", "semantics.publish_s=600")
+        run(f"{binary}/modslam-report", result)
+        score = os.path.join(result, "scores.json")
+        run(f"{binary}/modslam-evaluate", "--semantic", f"{result}/semantic.geojson", "--world-truth", truth, "--log", f"{result}/run.lcm", "--json", score)
+        with open(score) as f:
+            scores[estimator] = json.load(f)["semantics"]
+    return name, scores
+
+
+def tour_row(name, s):
+    wall = next(w for w in s["walls"]["at"] if w["tolerance_m"] == 0.1)
+    pairs = maps.ratio(s["doors"]["pairs_right"], s["doors"]["pairs_known"])
+    return [name, wall["precision"], wall["recall"], s["doors"]["precision"], s["doors"]["recall"], pairs, s["rooms"]["f1"], s["rooms"]["mean_iou"]]
+
+
+def percent(x):
+    return f"{100 * x:.1f}"
+
+
+def table(head, rows):
+    mean = ["**mean**"] + [float(np.mean(column)) for column in list(zip(*rows))[1:]]
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    for row in rows + [mean]:
+        lines.append("| " + " | ".join([row[0]] + [percent(x) for x in row[1:]]) + " |")
+    return "\n".join(lines), mean[1:]
+
+
+def section(tours, found):
+    text = ["One parameter set; the trees that judge openings were trained on these buildings. All figures in per cent: rooms match at half overlap, doors within",
+            "0.5 m, walls within 0.10 m by length.", ""]
+    for estimator, words in (("ground_truth", "perfect localisation"), ("graph_optimizer", "our own SLAM")):
+        rows = [tour_row(name, s[estimator]) for name, s in tours if estimator in s]
+        if rows:
+            text += [f"Simulated tours through every room, {words}:", "",
+                     table(["building", "walls P", "walls R", "doors P", "doors R", "right two rooms", "rooms F1", "rooms mean IoU"], rows)[0], ""]
+    kinds = {}
+    for m in found:
+        kinds.setdefault(m["kind"], []).append(m)
+    for kind, words in (("plain", "Grid maps, plain"), ("furnished", "Grid maps, furnished"), ("robot", "Maps of a real robot (scored inside the labelled rooms)")):
+        if kind not in kinds:
+            continue
+        head, rows = ["map", "rooms P", "rooms R", "rooms F1", "rooms mean IoU"], []
+        head += {"plain": [], "furnished": ["objects or static, balanced"], "robot": ["doors P", "doors R", "doors F1"]}[kind]
+        for m in kinds[kind]:
+            r = m["rooms"]
+            row = [m["name"], r["precision"], r["recall"], r["f1"], r["mean_iou"]]
+            row += [m["objects"]["balanced_accuracy"]] if kind == "furnished" else [m["doors"][k] for k in ("precision", "recall", "f1")] if kind == "robot" else []
+            rows.append(row)
+        text += [words + ":", "", table(head, rows)[0], ""]
+    return "\n".join(text)
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Scores the semantic map.")
+    parser.add_argument("build")
+    parser.add_argument("data")
+    parser.add_argument("out")
+    parser.add_argument("--quick", action="store_true", help="perfect localisation only")
+    args = parser.parse_args()
+    binary, out = os.path.join(os.path.abspath(args.build), "bin"), os.path.abspath(args.out)
+    os.makedirs(out, exist_ok=True)
+    sources = [os.path.join(HOUSE, "config", "worlds", f) for f in ("apartment.geojson", "compworld.geojson")]
+    plans = os.path.join(args.data, "plans")
+    if os.path.isdir(plans):
+        sources += sorted(os.path.join(plans, f) for f in os.listdir(plans) if f.endswith(".json"))
+    else:
+        print(f"{plans}: not there; no floor plans driven")
+    tours = []
+    with ThreadPoolExecutor(2) as pool:
+        estimators = ["ground_truth"] if args.quick else ["ground_truth", "graph_optimizer"]
+        for source, job in [(s, pool.submit(tour, binary, s, out, estimators)) for s in sources]:
+            try:
+                tours.append(job.result())
+                print(tours[-1][0], "driven", flush=True)
+            except RuntimeError as error:  # a plan whose rooms no robot can enter
+                print(f"{source}: left out: {str(error)[-200:]}")
+    found = []
+    if os.path.isdir(os.path.join(args.data, "maps")):
+        for m in maps.drawn_maps(args.data, out) + maps.robot_maps(args.data, out):
+            found.append({"name": m.name, **maps.score(m, maps.annotate(m, binary))})
+            print(m.name, m.kind, "annotated", flush=True)
+    else:
+        print(f"{args.data}/maps: not there; no finished maps annotated")
+    with open(os.path.join(out, "semantics.json"), "w") as f:
+        json.dump({"tours": dict(tours), "maps": found}, f, indent=1, default=float)
+    text = section(tours, found)
+    with open(os.path.join(out, "semantics.md"), "w") as f:
+        f.write(text)
+    print(text)
+
+
+if __name__ == "__main__":
+    main()
