@@ -56,7 +56,7 @@ def resident_mb(pid):
 
 def latency():
     """The recorder stamps what it hears; between the LASER and the POSE of one time lies what the robot waits for."""
-    folder, _ = drive("laser.rate_hz=40", "odometry.rate_hz=50")
+    folder, _ = drive("laser.rate_hz=40", "odometry.rate_hz=100")  # so that no scan waits for odometry of its time
     heard, waits_ms = {}, []
     for utime, channel, data in system.events(folder / "run.lcm"):
         stamp = int.from_bytes(data[8:16], "big") if channel in ("LASER", "POSE") else None
