@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <sstream>
 
@@ -140,10 +141,33 @@ class Writer : public ConfigVisitor {
   bool comments_;
 };
 
+/// toml++ 3.3 runs into undefined behaviour at letters beyond ASCII that stand outside of texts and comments.
+void refuse_foreign_letters(const std::string& text, const std::string& path) {
+  int line = 1;
+  char quote = 0;
+  bool comment = false;
+  for (const char c : text) {
+    if (c == '\n') {
+      ++line;
+      quote = 0;
+      comment = false;
+    } else if (!comment && quote == 0 && static_cast<unsigned char>(c) >= 0x80) {
+      throw ConfigError(path + ":" + std::to_string(line) + ": a letter beyond ASCII outside of a text or comment");
+    } else if (!comment && (c == '"' || c == '\'')) {
+      quote = quote == 0 ? c : quote == c ? '\0' : quote;
+    } else if (quote == 0 && c == '#') {
+      comment = true;
+    }
+  }
+}
+
 toml::table parse_file(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) throw ConfigError(path + ": there is no such file");
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  refuse_foreign_letters(text.str(), path);
   try {
-    return toml::parse_file(path);
+    return toml::parse(text.str(), path);
   } catch (const toml::parse_error& error) {
     throw ConfigError(path + ":" + std::to_string(error.source().begin.line) + ": " +
                       std::string(error.description()));

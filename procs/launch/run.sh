@@ -3,7 +3,7 @@
 # Sourced by run.sh: one run. Its folder, its processes under supervisor, its end and its results.
 
 readonly CURRENT=${MODSLAM_CURRENT:-$HOUSE/logs/.current}  # names the folder of the run that is going on
-OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED="" BUS=udp BUS_URL="" ONLY=""
+OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED="" BUS=udp BUS_URL="" ONLY="" MAP=""
 
 # Options that all runs share; sets OUT, SPEED, CONFIG, OVERRIDES.
 parse_options() {
@@ -14,6 +14,7 @@ parse_options() {
       --speed) SPEED=${2:?--speed: how fast?}; shift 2 ;;
       --config) CONFIG=$(here "${2:?--config: which file?}"); shift 2 ;;
       --url) BUS_URL=${2:?--url: which LCM url?}; shift 2 ;;
+      --map) MAP=$(here "${2:?--map: which folder of a run?}"); shift 2 ;;
       --only) ONLY=${2:?--only: which processes, with commas between?}; shift 2 ;;
       --set) OVERRIDES+=(--set "${2:?--set: table.key=value}"); shift 2 ;;
       *) die "$kind: unknown option '$1'" ;;
@@ -66,6 +67,7 @@ start_run() {
   local sources=$1
   rm -rf "$OUT"/run.lcm "$OUT/journal"
   mkdir -p "$OUT/log"
+  continue_map
   open_bus
   if [[ $(setting launch.viewer) == true ]]; then
     claim_page_port "$(setting viewer.port)"
@@ -90,6 +92,16 @@ start_run() {
   wait_for "$BIN/modslam-conduct" --timeout 20 up "${first[@]}" ||
     { tail -n 5 "$OUT"/log/*.log >&2; die "not all processes started; their logs are in $OUT/log"; }
   for name in "${late[@]}"; do supervisor_control start "$name" >/dev/null; done
+}
+
+# --map DIR: goes on with the graph of an earlier run, whose odometry frame is still the robot's. That run's files stay as they are.
+continue_map() {
+  [[ -n $MAP ]] || return 0
+  [[ -r $MAP/journal/graph_optimizer.journal ]] || die "--map $MAP: holds no journal of a run on the bus (journal/graph_optimizer.journal)"
+  [[ $MAP != "$OUT" ]] || die "--map and --out are the same folder: a run does not write over the map that it goes on with"
+  mkdir -p "$OUT/journal"
+  cp "$MAP/journal/graph_optimizer.journal" "$OUT/journal/"
+  [[ ! -r $MAP/journal/loop_detector.journal ]] || cp "$MAP/journal/loop_detector.journal" "$OUT/journal/"
 }
 
 # --only: this machine runs a part of the system, the others run elsewhere on the same network.

@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""bus.py BUILD_DIR latency|load|soak: figures of the running system, as rows for docs/benchmarks.md.
+"""bus.py BUILD_DIR latency|load: figures of the running system, as rows for docs/benchmarks.md.
 
 latency  40 Hz laser, real time: from LASER to POSE as a third process hears both, all processes running
 load     10 Hz laser, real time: CPU share and memory of each process
-soak     ten passes over a log in one estimator: memory after each
 """
 import os
 import pathlib
@@ -56,7 +55,7 @@ def resident_mb(pid):
 
 def latency():
     """The recorder stamps what it hears; between the LASER and the POSE of one time lies what the robot waits for."""
-    folder, _ = drive("laser.rate_hz=40", "odometry.rate_hz=50")
+    folder, _ = drive("laser.rate_hz=40", "odometry.rate_hz=100")  # so that no scan waits for odometry of its time
     heard, waits_ms = {}, []
     for utime, channel, data in system.events(folder / "run.lcm"):
         stamp = int.from_bytes(data[8:16], "big") if channel in ("LASER", "POSE") else None
@@ -78,24 +77,8 @@ def load():
           f"{100 * sum(part for name, (part, _) in used.items() if name not in simulated):.1f} %")
 
 
-def soak():
-    """The same log again and again through one set of processes; each pass is a new session to them."""
-    log = system.simulated_log("drive.lcm", "simulator.route=demo")
-    passes = system.FOLDER / "passes.lcm"
-    events = list(system.events(log))
-    span_us = events[-1][0] - events[0][0] + 1_000_000
-    count = int(os.environ.get("MODSLAM_BENCH_PASSES", 10))
-    system.write_events(passes, ((utime + k * span_us, channel, data) for k in range(count) for utime, channel, data in events))
-    with Run("replay", passes, "--speed", 50, "--out", system.FOLDER / "soak", *settings("viewer.port=0")) as run:
-        run.until(lambda: "Replaying" in run.said(), 60, "the replay starts")
-        while run.process.poll() is None and "path error" not in run.said():
-            time.sleep(1e-6 * span_us / 50)
-            print({name[8:]: round(resident_mb(pid), 1) for pid, name in run.processes() if name.startswith("modslam-") and "conduct" not in name},
-                  flush=True)
-
-
 if __name__ == "__main__":
-    question = {"latency": latency, "load": load, "soak": soak}[sys.argv.pop(2)]
+    question = {"latency": latency, "load": load}[sys.argv.pop(2)]
     system.TESTS.clear()
     system.test("measured")(question)
     system.main()

@@ -84,3 +84,12 @@ TEST_CASE("a printed configuration reads back as itself, and single values can b
   REQUIRE(config_value(config, "launch.viewer") == "true");
   REQUIRE_THROWS_AS(config_value(config, "launch.nothing"), ConfigError);
 }
+
+TEST_CASE("what trips the TOML parser itself is refused in words: a cut line, and letters beyond ASCII where none belong") {
+  for (const std::string name : {"assertion", "foreign_letter"}) {
+    const std::string path = std::string(MODSLAM_SOURCE_DIR) + "/tests/fuzz/seeds/config/" + name + ".toml";
+    REQUIRE_THROWS_AS(load_config(path), ConfigError);
+  }
+  const ConfigFile good("# schön\n[recorder]\npath = 'länge # \"nicht\" hier'  # ä\n");
+  REQUIRE(load_config(good.path).recorder.path == "länge # \"nicht\" hier");
+}
