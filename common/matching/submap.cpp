@@ -15,18 +15,20 @@ constexpr int kMaxSide = 1500;            // cells
 
 void Submap::build(const std::vector<const Keyframe*>& keyframes, double blur_m, double widest_m) {
   std::vector<OrientedPoint> all;
-  std::vector<Eigen::Vector2d> walls;
+  walls_.clear();
+  blur_m_ = blur_m;
+  widest_m_ = widest_m;
+  score_grid_ready_ = false;
   for (const Keyframe* keyframe : keyframes) {
     const Eigen::Matrix2d R = rotation(keyframe->T_map_base.heading);
     const Eigen::Vector2d t = keyframe->T_map_base.translation();
     for (OrientedPoint point : keyframe->points_base) {
       point.p = R * point.p + t;
       point.n = R * point.n;
-      walls.push_back(point.p);
+      walls_.push_back(point.p);
       if (point.has_normal()) all.push_back(point);
     }
   }
-  score_grid_.build(walls, blur_m, widest_m);
 
   width_ = height_ = 0;
   points_.clear();
@@ -55,6 +57,12 @@ void Submap::build(const std::vector<const Keyframe*>& keyframes, double blur_m,
   std::vector<int> next(cell_start_.begin(), cell_start_.end() - 1);
   for (std::size_t i = 0; i < all.size(); ++i)
     if (cell[i] >= 0) points_[static_cast<std::size_t>(next[static_cast<std::size_t>(cell[i])]++)] = all[i];
+}
+
+const ScoreGrid& Submap::score_grid() const {
+  if (!score_grid_ready_) score_grid_.build(walls_, blur_m_, widest_m_);
+  score_grid_ready_ = true;
+  return score_grid_;
 }
 
 int Submap::cell_of(const Eigen::Vector2d& p) const {

@@ -46,7 +46,8 @@ class Submap : public SurfaceSource {
   /// Share of the segment eye -> p (map frame) that crosses known surfaces more than margin_m before p: 0 or 1.
   bool is_blocked(const Eigen::Vector2d& eye, const Eigen::Vector2d& p, double margin_m) const;
 
-  const ScoreGrid& score_grid() const { return score_grid_; }
+  /// Made when first asked for: most scans need no search.
+  const ScoreGrid& score_grid() const;
   std::size_t size() const { return points_.size(); }
 
  private:
@@ -56,8 +57,11 @@ class Submap : public SurfaceSource {
   void for_points_around(const Eigen::Vector2d& p, int reach, Visit&& visit) const;
   const Surface& surface_at(std::size_t point) const;
 
-  static constexpr double kCell_m = 0.20;
-  ScoreGrid score_grid_{0.05};
+  static constexpr double kCell_m = 0.12;
+  mutable ScoreGrid score_grid_{0.05};
+  mutable bool score_grid_ready_ = false;
+  double blur_m_ = 0, widest_m_ = 0;
+  std::vector<Eigen::Vector2d> walls_;  ///< all points, with a normal or without
   std::vector<OrientedPoint> points_;  ///< map frame, ordered by cell
   mutable std::vector<Surface> surfaces_;  ///< around each point; made when first asked for (count 0: not yet)
   std::vector<int> cell_start_;        ///< width * height + 1 offsets into points_
