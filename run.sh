@@ -71,6 +71,7 @@ replay() {
   log=$(here "$log"); shift
   [[ -r $log ]] || die "replay: $log: there is no such file"
   parse_run_options replay "$@"
+  OVERRIDES+=(--set launch.lockstep=true)  # the speed of the player changes nothing
   check_log "$log"
   awk "BEGIN {exit !($SPEED > $MOST_UDP_SPEED)}" && BUS=tcp
   start_run ""

@@ -108,15 +108,14 @@ void EstimatorSession::send() {
 }
 
 void EstimatorSession::finish() {
-  if (nodes_.empty()) return;
+  if (nodes_.empty() || size() == polished_size_) return;  // what was polished is not settled back
   estimator_.settle(true);
   write_changes();
   send();
 }
 
 void EstimatorSession::polish(const RangeNoise& noise, double range_limit_m) {
-  const std::int64_t size = static_cast<std::int64_t>(nodes_.size()) + estimator_.accepted();
-  if (size == polished_size_) return;  // nothing came since
+  if (size() == polished_size_) return;  // nothing came since
   std::vector<Keyframe> nodes;
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const SensorInfo sensor = to_sensor_info(nodes_[k].sensor);
@@ -124,7 +123,7 @@ void EstimatorSession::polish(const RangeNoise& noise, double range_limit_m) {
                      sensor.T_base_laser.translation()});
   }
   estimator_.polish(measure_overlaps(std::move(nodes)));
-  polished_size_ = size;
+  polished_size_ = size();
   write_changes();
   send();
 }

@@ -72,6 +72,7 @@ class EstimatorSession {
   std::set<std::pair<NodeId, NodeId>> loops_seen_;
   std::vector<graph_node_t> nodes_;
   std::int64_t waiting_ = 0, refused_ = 0;
+  std::int64_t size() const { return static_cast<std::int64_t>(nodes_.size()) + estimator_.accepted(); }
   std::int64_t polished_size_ = 0;  ///< nodes and loops at the last polish
   NodeId resend_from_ = -1;  ///< -1: nobody asked
 };

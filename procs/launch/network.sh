@@ -47,7 +47,6 @@ open_bus() {
   else
     PORT=$((20000 + RANDOM % 10000))
     until claim tcp "$PORT"; do PORT=$((PORT + 1)); done
-    OVERRIDES+=(--set launch.lockstep=true)
     export LCM_DEFAULT_URL=tcpq://127.0.0.1:$PORT
   fi
 }

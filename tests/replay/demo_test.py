@@ -57,7 +57,7 @@ def demo():
     with Run("demo", "--out", folder, *words) as run:
         run.until_driving()
         names = sorted(name for _, name in run.processes() if name.startswith("modslam-") and name != "modslam-conduct")
-        expected = ["recorder", "simulator", "laser", "odometry", "ins", "scan-matcher", "graph-optimizer", "loop-detector",
+        expected = ["recorder", "watchdog", "simulator", "laser", "odometry", "ins", "scan-matcher", "graph-optimizer", "loop-detector",
                     "map-builder", "semantic-classifier", "viewer"]
         if "launch.semantics=false" in words:
             expected.remove("semantic-classifier")

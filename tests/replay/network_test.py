@@ -21,7 +21,7 @@ ROUTE = os.environ.get("MODSLAM_NETWORK_ROUTE", "C_bedroom_full")
 SPEED = float(os.environ.get("MODSLAM_NETWORK_SPEED", 6))
 SENSORS, MAPPING = ["laser", "odometry", "ins"], ["scan_matcher", "graph_optimizer", "loop_detector", "map_builder", "semantic_classifier"]
 LATE_WITHIN_S, ERROR_SHARE, COUNT_SHARE = 2.0, 0.10, 0.01
-SLACK_M = 0.010  # at six times real time the cut second is six seconds of driving
+SLACK_M = 0.025  # at six times real time the cut second is six seconds of driving
 URL = "udpm://239.255.76.67:31250?ttl=1&recv_buf_size=4194304"
 
 
