@@ -2,6 +2,8 @@
 /// modslam-check-log: says what an LCM log holds and where it is damaged, and copies what can be read.
 /// Exit code 0: whole; 1: no log, or without a channel that is needed; 2: damaged.
 #include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <functional>
 #include <iostream>
 #include <map>
 
@@ -14,27 +16,50 @@ struct Options {
   std::vector<std::string> needs;
 };
 
-void copy_readable(const std::string& from, const std::string& to) {
-  modslam::LogReader reader(from);
-  modslam::LogWriter writer(to);
-  for (modslam::LogEvent event; reader.next(event);)
-    writer.write(event.utime, event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
-  writer.close();
+constexpr std::int64_t kJump_us = 10'000'000;
+
+/// Hands on every readable event. A stamp that is far from the events before and after it is a flipped bit, and the stock player would wait
+/// for it: it gets the stamp of the event before. @return how many there were.
+int for_readable(const std::string& path, const std::function<void(const modslam::LogEvent&)>& take) {
+  modslam::LogReader reader(path);
+  modslam::LogEvent event, next;
+  if (!reader.next(event)) return 0;
+  std::int64_t last_us = event.utime;
+  int wrong = 0;
+  for (bool more = true; more; std::swap(event, next)) {
+    more = reader.next(next);
+    const bool near_next = more && std::abs(next.utime - last_us) < kJump_us;
+    if (std::abs(event.utime - last_us) > kJump_us && near_next) {
+      event.utime = last_us;
+      ++wrong;
+    }
+    last_us = event.utime;
+    take(event);
+  }
+  return wrong;
 }
 
 int check(const Options& options) {
-  modslam::LogReader reader(options.log);
   std::map<std::string, std::int64_t> events;
-  for (modslam::LogEvent event; reader.next(event);) ++events[event.channel];
+  const int wrong_stamps = for_readable(options.log, [&](const modslam::LogEvent& event) { ++events[event.channel]; });
   for (const std::string& channel : options.needs)
     if (!events.count(channel)) throw std::runtime_error(options.log + ": holds no message on " + channel);
   std::cout << options.log << ":";
   for (const auto& [channel, count] : events) std::cout << " " << channel << " " << count;
   std::cout << std::endl;
-  const std::string damage = reader.damage();
+  modslam::LogReader reader(options.log);
+  for (modslam::LogEvent event; reader.next(event);) {
+  }
+  std::string damage = reader.damage();
+  if (wrong_stamps > 0) damage += (damage.empty() ? "" : ", ") + std::to_string(wrong_stamps) + " events with wrong stamps";
   if (damage.empty()) return 0;
   std::cerr << options.log << ": is damaged: " << damage << std::endl;
-  if (!options.mended.empty()) copy_readable(options.log, options.mended);
+  if (options.mended.empty()) return 2;
+  modslam::LogWriter writer(options.mended);
+  for_readable(options.log, [&](const modslam::LogEvent& event) {
+    writer.write(event.utime, event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
+  });
+  writer.close();
   return 2;
 }
 
