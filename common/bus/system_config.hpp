@@ -3,6 +3,7 @@
 #pragma once
 #include <string>
 
+#include "common/config/player.hpp"
 #include "common/config/viewer.hpp"
 #include "common/config/visitor.hpp"
 #include "common/graph/estimator.hpp"
@@ -53,6 +54,7 @@ struct SystemConfig {
   SemanticsConfig semantics;
   RecorderConfig recorder;
   ViewerConfig viewer;
+  PlayerConfig player;
   SimulatorConfig simulator;
   LaserConfig laser;
   OdometryConfig odometry;
@@ -70,6 +72,7 @@ struct SystemConfig {
     visit(semantics);
     visit(recorder);
     visit(viewer);
+    visit(player);
     visit(simulator);
     visit(laser);
     visit(odometry);
