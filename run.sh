@@ -21,7 +21,9 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
   ./run.sh demo [--out DIR] [--set T.K=V]...  drive the simulated Apartment, map it, show what was found
   ./run.sh test [--verbose] [NAME]...         everything that must hold, or some suites of it
   ./run.sh live [--out DIR]                   the same processes with the drivers of config/modslam.toml, until Ctrl-C
-  ./run.sh replay LOG [--speed S] [--out DIR] play an LCM log through the processes with lcm-logplayer
+  ./run.sh replay LOG [--drive] [--speed S] [--out DIR]
+                                              play an LCM log through the processes with lcm-logplayer;
+                                              --drive: with our own player, which the page pauses, steps and slows
   ./run.sh offline LOG --out DIR              the same in one program, as fast as the machine, same bytes every time
   ./run.sh import FILE OUT.lcm [--laser-x M --laser-y M --laser-yaw RAD]
                                               CARMEN .log/.clf (.gz, .xz) or MRPT .rawlog to an LCM log
@@ -63,11 +65,13 @@ replay() {
   [[ -n $log && $log != --* ]] || die "replay: which log? ./run.sh replay LOG [--speed S] [--out DIR]"
   log=$(here "$log"); shift
   [[ -r $log ]] || die "replay: $log: there is no such file"
+  local play=play_log
+  [[ ${1:-} == --drive ]] && { play=drive_log; shift; }
   parse_run_options replay "$@"
   check_log "$log"
   start_run ""
   echo "Replaying $log at $SPEED times real time. Page: $(page_url)   Stop: Ctrl-C"
-  play_log "$LOG"
+  "$play" "$LOG"
   end_run
   return "$LOG_CODE"
 }

@@ -15,7 +15,7 @@ std::size_t cost(const FramePtr& frame) { return frame->bytes.size() + kOverhead
 
 void History::add(const std::string& stream, std::int64_t utime, FramePtr frame) {
   const std::lock_guard lock(mutex_);
-  if (streams_.empty()) extent_.begin_utime = extent_.end_utime = utime;
+  if (extent_.begin_utime == 0) extent_.begin_utime = utime;  // 0: before the run had a time
   extent_.end_utime = std::max(extent_.end_utime, utime);
   utime = extent_.end_utime;
   extent_.bytes += cost(frame);

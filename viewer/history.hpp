@@ -19,7 +19,8 @@ class History {
 
   explicit History(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// @param utime  [us] message time; a stamp that steps back counts as the newest one.
+  /// @param utime  [us] message time; a stamp that steps back counts as the newest one, 0 as
+  /// before the run.
   void add(const std::string& stream, std::int64_t utime, FramePtr frame);
   void clear();
 

@@ -28,4 +28,7 @@ inline constexpr const char* kPlaybackCommand = "PLAYBACK_COMMAND";
 inline constexpr const char* kSimState = "SIM_STATE";
 inline constexpr const char* kSimInfo = "SIM_INFO";
 
+/// What a log may feed in again; whatever else is in it is the result of an earlier run.
+inline constexpr const char* const kFromLogs[] = {kLaser, kOdometry, kIns, kSensorInfo, kGroundTruth, kSimInfo};
+
 }  // namespace modslam::channel

@@ -165,6 +165,16 @@ play_log() {
     die "lcm-logplayer failed; see $OUT/log/logplayer.log"
 }
 
+# Plays a log with a player that the page can drive, until it is at the log's end.
+drive_log() {
+  "$BIN/modslam-player" --config "$CONFIG" "${OVERRIDES[@]}" --set "player.log=$1" --set "player.speed=$SPEED" >"$OUT/log/player.log" 2>&1 &
+  local pid=$!
+  until wait_for "$BIN/modslam-conduct" --timeout 2 ended player; do
+    kill -0 "$pid" 2>/dev/null || die "the player ended; see $OUT/log/player.log"
+  done
+  kill "$pid" 2>/dev/null || true
+}
+
 # The input has ended: let every process settle in the order in which data flows, stop all, make the results.
 end_run() {
   local order=(scan_matcher "$(estimator_process)") name

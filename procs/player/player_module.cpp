@@ -2,7 +2,6 @@
 /// procs/player — a log's sensor channels on the bus, and PLAYBACK; PLAYBACK_COMMAND in: play, pause, step, speed N.
 /// Config: [player]. Unlike the stock player it can wait, and after a wait it goes on at the old pace: nothing is sent in a burst.
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <modslam/command_t.hpp>
 #include <modslam/playback_t.hpp>
@@ -17,8 +16,6 @@
 namespace modslam {
 namespace {
 
-const std::array<const char*, 6> kPlayed = {channel::kLaser,      channel::kOdometry,    channel::kIns,
-                                            channel::kSensorInfo, channel::kGroundTruth, channel::kSimInfo};
 constexpr std::int64_t kTellEvery_us = 200'000;
 constexpr int kMostATick = 100;  // a tick is some milliseconds: who lags catches up without a flood
 
@@ -28,7 +25,7 @@ class PlayerModule : public Module {
     LogReader reader(config.log);
     LogEvent event;
     while (reader.next(event))
-      if (std::find(kPlayed.begin(), kPlayed.end(), event.channel) != kPlayed.end()) events_.push_back(event);
+      if (std::count(std::begin(channel::kFromLogs), std::end(channel::kFromLogs), event.channel)) events_.push_back(event);
     if (events_.empty()) throw std::runtime_error(config.log + ": holds nothing that can be played");
     bus.subscribe<command_t>(channel::kPlaybackCommand, [this](const command_t& m) { obey(m.verb); });
   }

@@ -86,8 +86,7 @@ export class Timeline {
     $('timeline').classList.toggle('past', !this.isLive);
     $('live').setAttribute('aria-pressed', this.isLive);
     const halted = !this.isLive && !this.playing;
-    $('pause').textContent = halted ? '▶' : '⏸';
-    $('pause').setAttribute('aria-label', halted ? 'Play' : 'Pause');
+    $('pause').textContent = halted ? 'Play' : 'Pause';
     this.updateReplay();
   }
 
@@ -96,8 +95,7 @@ export class Timeline {
     const there = playback && clock && clock.now_ms - playback.seen_ms < 3000;
     $('replay').hidden = !there;
     if (!there) return;
-    $('replay-play').textContent = playback.paused ? '▶' : '⏸';
-    $('replay-play').setAttribute('aria-label', playback.paused ? 'Go on with the replay' : 'Pause the replay');
+    $('replay-play').textContent = playback.paused ? 'Play' : 'Pause';
     $('replay-text').textContent = `${clockTime(playback.position_s)} / ${clockTime(playback.length_s)}${playback.ended ? ', at the end' : ''}`;
     if (document.activeElement !== $('replay-speed')) $('replay-speed').value = String(playback.speed);
   }
