@@ -29,6 +29,6 @@ inline constexpr const char* kSimState = "SIM_STATE";
 inline constexpr const char* kSimInfo = "SIM_INFO";
 
 /// What a log may feed in again; whatever else is in it is the result of an earlier run.
-inline constexpr const char* const kFromLogs[] = {kLaser, kOdometry, kIns, kSensorInfo, kGroundTruth, kSimInfo};
+inline constexpr const char* const from_logs[] = {kLaser, kOdometry, kIns, kSensorInfo, kGroundTruth, kSimInfo};
 
 }  // namespace modslam::channel

@@ -37,3 +37,11 @@ bench_graph() {
   echo "Written: logs/bench/graph.json, logs/bench/graph.md"
   [[ $folder != "$default" ]] || write_section graph logs/bench/graph.md
 }
+
+# The page and the viewer with ten thousand nodes and a thousand rooms.
+bench_viewer() {
+  command -v chromedriver >/dev/null || die "bench viewer: apt install chromium chromium-driver"
+  build_bench publish_big
+  python3 tests/viewer/viewer_bench.py "$BIN" --json logs/bench/viewer.json --markdown logs/bench/viewer.md
+  write_section viewer logs/bench/viewer.md
+}

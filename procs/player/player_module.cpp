@@ -25,7 +25,7 @@ class PlayerModule : public Module {
     LogReader reader(config.log);
     LogEvent event;
     while (reader.next(event))
-      if (std::count(std::begin(channel::kFromLogs), std::end(channel::kFromLogs), event.channel)) events_.push_back(event);
+      if (std::count(std::begin(channel::from_logs), std::end(channel::from_logs), event.channel)) events_.push_back(event);
     if (events_.empty()) throw std::runtime_error(config.log + ": holds nothing that can be played");
     bus.subscribe<command_t>(channel::kPlaybackCommand, [this](const command_t& m) { obey(m.verb); });
   }

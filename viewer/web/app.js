@@ -35,6 +35,7 @@ const page = window.modslam = {
   select(selected) { page.selected = selected; refresh(); },
   judge: (name) => judge(live, live.processes.get(name), performance.now()),
   seek: (utime) => page.timeline.seek(utime),
+  touch: () => { dirty = true; },  // paint again in the next frame
   shownUtime: () => page.timeline.utime ?? Infinity,
 };
 page.timeline = new Timeline(live, {query,
