@@ -3,6 +3,7 @@
 
 import {roomColor} from './palette.js';
 import {middle} from './geometry.js';
+import {drawTiles} from './tiles.js';
 
 export const LAYERS = [
   {name: 'raster', label: 'Grid map', key: '1', color: 'occupied', draw: drawTiles},
@@ -17,35 +18,6 @@ export const LAYERS = [
   {name: 'ellipses', label: 'Uncertainty', key: 'u', color: 'accent', draw: drawEllipses},
   {name: 'scan', label: 'Laser scan', key: '9', color: 'scan', draw: drawScan, moving: true},
 ];
-
-const images = new Map();  // 'x/y' -> {cells, palette, canvas}
-
-function tileImage(key, tile, palette) {
-  let image = images.get(key);
-  if (image?.cells === tile.cells && image.palette === palette) return image.canvas;
-  const n = tile.ncells, canvas = document.createElement('canvas');
-  canvas.width = canvas.height = n;
-  const pixels = new ImageData(n, n);
-  const from = new Uint32Array(palette.cells.buffer), to = new Uint32Array(pixels.data.buffer);
-  for (let row = 0; row < n; row++)
-    for (let col = 0; col < n; col++) to[(n - 1 - row) * n + col] = from[tile.cells[row * n + col]];
-  canvas.getContext('2d').putImageData(pixels, 0, 0);
-  images.set(key, {cells: tile.cells, palette, canvas});
-  return canvas;
-}
-
-function drawTiles({ctx, state, camera, palette}) {
-  for (const key of images.keys()) if (!state.tiles.has(key)) images.delete(key);
-  for (const [key, tile] of state.tiles) {
-    if (!tile.cells) continue;
-    const side = tile.ncells * tile.resolution;
-    const [l, b] = camera.toScreen(tile.x * side, tile.y * side).map(Math.round);
-    const [r, t] = camera.toScreen((tile.x + 1) * side, (tile.y + 1) * side).map(Math.round);
-    if (r < 0 || b < 0 || l > camera.width || t > camera.height) continue;
-    ctx.imageSmoothingEnabled = camera.scale * tile.resolution < 1;
-    ctx.drawImage(tileImage(key, tile, palette), l, t, r - l, b - t);
-  }
-}
 
 function tracePolygon(ctx, camera, outline) {
   ctx.beginPath();
@@ -142,12 +114,19 @@ function segment(ctx, camera, a, b) {
 
 function drawWalls({ctx, state, camera, palette, selected}) {
   ctx.lineCap = 'round';
+  ctx.strokeStyle = palette.wall;
+  ctx.lineWidth = Math.min(4, Math.max(2, camera.scale * 0.06));
+  ctx.beginPath();
   for (const wall of state.walls) {
-    const chosen = isSelected(selected, 'walls', wall);
-    ctx.strokeStyle = chosen ? palette.accent : palette.wall;
-    ctx.lineWidth = chosen ? 6 : Math.min(4, Math.max(2, camera.scale * 0.06));
-    segment(ctx, camera, wall.a, wall.b);
+    ctx.moveTo(...camera.toScreen(...wall.a));
+    ctx.lineTo(...camera.toScreen(...wall.b));
   }
+  ctx.stroke();
+  const chosen = state.walls.find((wall) => isSelected(selected, 'walls', wall));
+  if (!chosen) return;
+  ctx.strokeStyle = palette.accent;
+  ctx.lineWidth = 6;
+  segment(ctx, camera, chosen.a, chosen.b);
 }
 
 // A door is its opening from jamb to jamb; an open one swings its leaf, a closed one is shut by it.
