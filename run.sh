@@ -34,7 +34,7 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
   ./run.sh bench graph [FOLDER]               chi2 and time beside Ceres and others; writes docs/benchmarks.md
   ./run.sh report DIR                         make the results in a run's folder from its run.lcm again
   ./run.sh record OUT.lcm                     lcm-logger on the run that is going on, until Ctrl-C
-  ./run.sh spy                                lcm-spy with our message types
+  ./run.sh spy [--text]                       lcm-spy with our message types and views; --text: in this terminal
   ./run.sh view                               where the page of the run that is going on is
   ./run.sh status                             processes, rates, latencies; exit code 1 when one is in trouble
   ./run.sh stop                               stop the run that is going on
@@ -98,7 +98,11 @@ optimize() { cd "$CALLER"; exec "$BIN/modslam-optimize" "$@"; }
 evaluate() { cd "$CALLER"; exec "$BIN/modslam-evaluate" "$@"; }
 report() { make_results "$(here "${1:?report: which folder?}")"; }
 record() { attach; exec lcm-logger "$(here "${1:?record: which file?}")"; }
-spy() { attach_or_default; exec procs/spy/spy.sh "$BUILD"; }
+spy() {
+  attach_or_default
+  if [[ ${1:-} == --text ]]; then shift; exec "$BIN/modslam-text-spy" "$@"; fi
+  exec procs/spy/spy.sh "$BUILD"
+}
 view() { attach; page_url; }
 status() { attach; exec "$BIN/modslam-conduct" status; }
 stop() { stop_current; }

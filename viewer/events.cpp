@@ -57,8 +57,8 @@ void Events::see_list(std::int64_t utime, const std::string& stream, const nlohm
           (name.empty() ? type + " " + std::to_string(id) : name) + " found, " +
               text("%.1f m²", item.at("area_m2")));
     } else {
-      say(utime, "door", "door " + std::to_string(id) + " found, " +
-                             text("%.2f m wide", item.at("width_m")));
+      say(utime, "door",
+          "door " + std::to_string(id) + " found, " + text("%.2f m wide", item.at("width_m")));
     }
   }
 }

@@ -38,8 +38,8 @@ nlohmann::json scan_json(const Scan& scan, const SensorInfo& sensor, const Pose2
 /// Poses flat: x0 y0 heading0 x1 ...; `first` is the number of the first one.
 nlohmann::json poses_json(const char* stream, std::size_t first,
                           const std::vector<std::array<double, 3>>& poses);
-/// Half axes [m] of the ellipse that a covariance's x and y span at one sigma, and the heading [rad]
-/// of the longer one.
+/// Half axes [m] of the ellipse that a covariance's x and y span at one sigma, and the heading
+/// [rad] of the longer one.
 std::array<double, 3> ellipse(const Eigen::Matrix3d& covariance);
 /// @param seen_ms  when it was received, on the clock that the stream `clock` tells.
 nlohmann::json status_json(const process_status_t& message, std::int64_t seen_ms);

@@ -15,7 +15,8 @@ bool equal_slowly(const std::string& a, const std::string& b) {
   unsigned difference = a.size() == b.size() ? 0 : 1;
   for (std::size_t i = 0; i < a.size(); ++i)
     difference |= static_cast<unsigned char>(a[i]) ^
-                  static_cast<unsigned>(static_cast<unsigned char>(b[i % std::max<std::size_t>(1, b.size())]));
+                  static_cast<unsigned>(
+                      static_cast<unsigned char>(b[i % std::max<std::size_t>(1, b.size())]));
   return difference == 0;
 }
 

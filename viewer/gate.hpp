@@ -9,8 +9,9 @@
 
 namespace modslam {
 
-/// Whether a request may be answered: it was sent to a loopback name (so no foreign name was rebound
-/// to this machine) and, when a browser says where it comes from, it comes from that very address.
+/// Whether a request may be answered: it was sent to a loopback name (so no foreign name was
+/// rebound to this machine) and, when a browser says where it comes from, it comes from that very
+/// address.
 /// @param host    header Host, e.g. "127.0.0.1:8080"; with port forwarding the port is the
 /// forwarded one.
 /// @param origin  header Origin, e.g. "http://127.0.0.1:8080"; empty: not from a web page.

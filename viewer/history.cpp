@@ -37,8 +37,8 @@ void History::thin() {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < versions.size(); ++i) {
       const bool last_of_slot =
-          i + 1 == versions.size() || versions[i].utime / extent_.interval_us !=
-                                          versions[i + 1].utime / extent_.interval_us;
+          i + 1 == versions.size() ||
+          versions[i].utime / extent_.interval_us != versions[i + 1].utime / extent_.interval_us;
       if (!last_of_slot) continue;
       extent_.bytes += cost(versions[i].frame);
       if (kept != i) versions[kept] = std::move(versions[i]);

@@ -40,8 +40,7 @@ LoopBook::Change LoopBook::see_edges(const std::map<EdgeId, GraphEdge>& edges) {
     it = accepted_.erase(it);
   }
   for (const auto& [id, edge] : edges)
-    if (edge.kind == EdgeKind::kLoop &&
-        accepted_.insert({id, {edge.from, edge.to}}).second)
+    if (edge.kind == EdgeKind::kLoop && accepted_.insert({id, {edge.from, edge.to}}).second)
       change.closed.push_back({edge.from, edge.to});
   return change;
 }

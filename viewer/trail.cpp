@@ -25,10 +25,10 @@ void Trail::clear() {
 void Trail::flush(Hub& hub, std::int64_t utime) {
   for (const std::size_t piece : changed_) {
     const auto begin = triples_.begin() + static_cast<std::ptrdiff_t>(piece * kPiece);
-    const auto end =
-        triples_.begin() + static_cast<std::ptrdiff_t>(std::min(triples_.size(), (piece + 1) * kPiece));
+    const auto end = triples_.begin() +
+                     static_cast<std::ptrdiff_t>(std::min(triples_.size(), (piece + 1) * kPiece));
     hub.publish_kept(name_ + "/" + std::to_string(piece), utime,
-                text_frame(poses_json(name_.c_str(), piece * kPiece, {begin, end})));
+                     text_frame(poses_json(name_.c_str(), piece * kPiece, {begin, end})));
   }
   changed_.clear();
 }

@@ -35,7 +35,8 @@ std::string secret_of_environment() {
 }
 
 /// Turns messages into the streams of the page. Things that come in lists or tiles go out as they
-/// come; what moves goes out at rate_hz, newest only; lists of loops, events and figures more seldom.
+/// come; what moves goes out at rate_hz, newest only; lists of loops, events and figures more
+/// seldom.
 class ViewerModule : public Module {
  public:
   ViewerModule(Bus& bus, const ViewerConfig& config)
@@ -221,9 +222,8 @@ class ViewerModule : public Module {
       placed_scan_ = {scans_.back(), Pose2()};
     if (placed_scan_) {
       shown_utime_ = placed_scan_->first.utime;
-      hub_.publish_kept(
-          "scan", run_utime_,
-          text_frame(scan_json(placed_scan_->first, sensor_, placed_scan_->second)));
+      hub_.publish_kept("scan", run_utime_,
+                        text_frame(scan_json(placed_scan_->first, sensor_, placed_scan_->second)));
       placed_scan_.reset();
     }
     nodes_.flush(hub_, run_utime_);
@@ -235,9 +235,9 @@ class ViewerModule : public Module {
     if (std::exchange(edges_changed_, false)) {
       const LoopBook::Change change = loops_.see_edges(mirror_.edges());
       const auto say = [this](const char* what, const LoopBook::Pair& pair) {
-        events_.say(run_utime_, "loop",
-                    std::string(what) + std::to_string(pair.first) + " – " +
-                        std::to_string(pair.second));
+        events_.say(
+            run_utime_, "loop",
+            std::string(what) + std::to_string(pair.first) + " – " + std::to_string(pair.second));
       };
       for (const auto& pair : change.closed) say("loop closed: nodes ", pair);
       for (const auto& pair : change.retracted) say("loop taken back: nodes ", pair);

@@ -126,7 +126,8 @@ int WebServer::answer(mg_connection* connection, void* self) {
     if (!server->admits(connection)) return refuse(connection, 403, "only the viewer's own page");
     return server->send_past(connection, request->query_string ? request->query_string : "");
   }
-  if (server->send_file(connection, path == "/" ? "/index.html" : path, method == "GET")) return 200;
+  if (server->send_file(connection, path == "/" ? "/index.html" : path, method == "GET"))
+    return 200;
   return refuse(connection, 404, "no such page");
 }
 

@@ -24,8 +24,8 @@ struct WebFile {
 };
 const std::vector<WebFile>& web_files();
 
-/// Serves `files` at their paths, the streams of `hub` at /ws and its past at /past?utime=N until it
-/// is destroyed. Its threads run at low priority: whatever is asked of them, mapping goes first.
+/// Serves `files` at their paths, the streams of `hub` at /ws and its past at /past?utime=N until
+/// it is destroyed. Its threads run at low priority: whatever is asked of them, mapping goes first.
 class WebServer {
  public:
   static constexpr int kMaxPages =

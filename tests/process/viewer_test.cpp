@@ -191,9 +191,10 @@ TEST_CASE("what a page wishes of the player reaches the bus, anything else ends 
 /// Body of a GET, or "" when the status is not 200.
 std::string get(int port, const std::string& path, const char* origin = nullptr) {
   char error[200] = {};
-  mg_connection* connection = mg_download(
-      "127.0.0.1", port, 0, error, sizeof error, "GET %s HTTP/1.0\r\nHost: 127.0.0.1:%d\r\n%s%s%s\r\n",
-      path.c_str(), port, origin ? "Origin: " : "", origin ? origin : "", origin ? "\r\n" : "");
+  mg_connection* connection =
+      mg_download("127.0.0.1", port, 0, error, sizeof error,
+                  "GET %s HTTP/1.0\r\nHost: 127.0.0.1:%d\r\n%s%s%s\r\n", path.c_str(), port,
+                  origin ? "Origin: " : "", origin ? origin : "", origin ? "\r\n" : "");
   if (!connection) return "";
   const bool good = mg_get_response_info(connection)->status_code == 200;
   std::string body;

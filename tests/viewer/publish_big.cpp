@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// publish_big [--url URL] [--nodes N] [--rooms M]: a generated building with a graph of N nodes and M rooms, then a robot
-/// that drives on in it with 40 scans a second. Prints "ready" when all of it has been said once.
+/// publish_big [--url URL] [--nodes N] [--rooms M]: a generated building with a graph of N nodes
+/// and M rooms, then a robot that drives on in it with 40 scans a second. Prints "ready" when all
+/// of it has been said once.
 #include <zlib.h>
 
 #include <CLI/CLI.hpp>
@@ -30,7 +31,10 @@ constexpr int kBeams = 1081, kScans_hz = 40;
 class BigBuilding {
  public:
   BigBuilding(const std::string& url, int nodes, int rooms)
-      : transport_(url), bus_(transport_, "big"), nodes_(nodes), rooms_(rooms),
+      : transport_(url),
+        bus_(transport_, "big"),
+        nodes_(nodes),
+        rooms_(rooms),
         side_(static_cast<int>(std::ceil(std::sqrt(rooms)))) {}
 
   void say_all() {
@@ -75,7 +79,8 @@ class BigBuilding {
     scan.radstep = 1.5 * kPi / (kBeams - 1);
     for (int i = 0; i < kBeams; ++i) {
       const double angle = scan.bearing_rad(static_cast<std::size_t>(i));
-      const double wall_m = 0.5 * kRoom_m / std::max(std::abs(std::cos(angle)), std::abs(std::sin(angle)));
+      const double wall_m =
+          0.5 * kRoom_m / std::max(std::abs(std::cos(angle)), std::abs(std::sin(angle)));
       scan.ranges_m.push_back(static_cast<float>(wall_m));
     }
     return scan;
@@ -210,7 +215,8 @@ class BigBuilding {
     constexpr int kCells = 128;
     constexpr double kResolution_m = 0.05;
     std::vector<std::uint8_t> cells(kCells * kCells, 20);
-    for (int i = 0; i < kCells; ++i) cells[static_cast<std::size_t>(i)] = cells[static_cast<std::size_t>(i * kCells)] = 250;
+    for (int i = 0; i < kCells; ++i)
+      cells[static_cast<std::size_t>(i)] = cells[static_cast<std::size_t>(i * kCells)] = 250;
     uLongf size = compressBound(cells.size());
     std::vector<std::uint8_t> packed(size);
     compress2(packed.data(), &size, cells.data(), cells.size(), 6);
@@ -246,14 +252,19 @@ int main(int argc, char** argv) {
   int nodes = 10'000, rooms = 1'000;
   CLI::App app("Plays a big made-up building to the viewer.");
   app.add_option("--url", url, "LCM url")->capture_default_str();
-  app.add_option("--nodes", nodes, "of the graph")->capture_default_str()->check(CLI::Range(10, 100'000));
-  app.add_option("--rooms", rooms, "of the building")->capture_default_str()->check(CLI::Range(1, 10'000));
+  app.add_option("--nodes", nodes, "of the graph")
+      ->capture_default_str()
+      ->check(CLI::Range(10, 100'000));
+  app.add_option("--rooms", rooms, "of the building")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 10'000));
   CLI11_PARSE(app, argc, argv);
 
   modslam::BigBuilding building(url, nodes, rooms);
   building.say_all();
   std::cout << "ready" << std::endl;
-  for (auto next = modslam::Clock::now();; next += std::chrono::microseconds(1'000'000 / modslam::kScans_hz)) {
+  for (auto next = modslam::Clock::now();;
+       next += std::chrono::microseconds(1'000'000 / modslam::kScans_hz)) {
     std::this_thread::sleep_until(next);
     building.step();
   }

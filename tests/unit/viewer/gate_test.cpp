@@ -42,9 +42,10 @@ TEST_CASE("a flood of requests is let through at its rate") {
 
 TEST_CASE("a page may wish for what a player knows, and no more than a few at once") {
   Wishes wishes;
-  for (const char* good : {"play", "pause", "step", "speed 0.5", "speed 20"}) CHECK(wishes.add(good));
-  for (const char* bad : {"", "finish", "speed", "speed ", "speed 0", "speed -1", "speed nan", "speed 1e9",
-                          "speed 1x", "play\n", "speed 1.00000000000000"})
+  for (const char* good : {"play", "pause", "step", "speed 0.5", "speed 20"})
+    CHECK(wishes.add(good));
+  for (const char* bad : {"", "finish", "speed", "speed ", "speed 0", "speed -1", "speed nan",
+                          "speed 1e9", "speed 1x", "play\n", "speed 1.00000000000000"})
     CHECK_FALSE(wishes.add(bad));
   CHECK(wishes.take() == std::string("play"));
   for (int i = 0; i < 1000; ++i) wishes.add("step");

@@ -61,7 +61,8 @@ TEST_CASE("proposals are told with their verdict, the newest thousand of them") 
 TEST_CASE("events tell of a failed match once, of new rooms once, of a process that came again") {
   Events events;
   pose_estimate_t pose{};
-  for (const int verdict : {scan_match_t::OK, scan_match_t::FAILED, scan_match_t::FAILED, scan_match_t::OK}) {
+  for (const int verdict :
+       {scan_match_t::OK, scan_match_t::FAILED, scan_match_t::FAILED, scan_match_t::OK}) {
     pose.verdict = static_cast<std::int8_t>(verdict);
     events.see_pose(pose);
   }
@@ -78,8 +79,8 @@ TEST_CASE("events tell of a failed match once, of new rooms once, of a process t
   std::vector<std::string> words;
   const nlohmann::json told = events.to_json();
   for (const auto& item : told["items"]) words.push_back(item[2]);
-  CHECK(words == std::vector<std::string>{"match failed: failed", "matches again", "room 4 found, 12.5 m²",
-                                          "laser was started again"});
+  CHECK(words == std::vector<std::string>{"match failed: failed", "matches again",
+                                          "room 4 found, 12.5 m²", "laser was started again"});
   for (int i = 0; i < 1000; ++i) events.say(i, "loop", "closed");
   CHECK(events.to_json()["items"].size() == Events::kKept);
 }

@@ -31,7 +31,8 @@ TEST_CASE("a long run keeps its length and its mean in a bounded number of rows"
   const auto json = series.to_json();
   CHECK(json["t"].back().get<double>() == Approx(5000).margin(series.interval_s()));
   double mean = 0;
-  for (const auto& v : json["sigma_m"]) mean += v.get<double>() / static_cast<double>(json["t"].size());
+  for (const auto& v : json["sigma_m"])
+    mean += v.get<double>() / static_cast<double>(json["t"].size());
   CHECK(mean == Approx(sum / n).margin(0.05));
 }
 
