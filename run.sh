@@ -32,7 +32,8 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
   ./run.sh optimize FILE.g2o [--robust] [--method toro] [--out OUT.g2o] [--json OUT.json]
                                               a pose graph to its optimum, with a proof where there is one
   ./run.sh bench graph [FOLDER]               chi2 and time beside Ceres and others; writes docs/benchmarks.md
-  ./run.sh report DIR                         make the results in a run's folder from its run.lcm again
+  ./run.sh report DIR...                      make the results in a run's folder from its run.lcm again;
+                                              of several: comparison.html, their errors, run times and parameters
   ./run.sh record OUT.lcm                     lcm-logger on the run that is going on, until Ctrl-C
   ./run.sh spy [--text]                       lcm-spy with our message types and views; --text: in this terminal
   ./run.sh view                               where the page of the run that is going on is
@@ -96,7 +97,13 @@ simulate() {
 }
 optimize() { cd "$CALLER"; exec "$BIN/modslam-optimize" "$@"; }
 evaluate() { cd "$CALLER"; exec "$BIN/modslam-evaluate" "$@"; }
-report() { make_results "$(here "${1:?report: which folder?}")"; }
+report() {
+  local folders=() folder
+  for folder in "${@:?report: which folder?}"; do folders+=("$(here "$folder")"); done
+  if ((${#folders[@]} == 1)); then make_results "${folders[0]}"; return; fi
+  "$BIN/modslam-report" --compare "${folders[@]}" --out "$CALLER/comparison.html"
+  echo "Written: $CALLER/comparison.html"
+}
 record() { attach; exec lcm-logger "$(here "${1:?record: which file?}")"; }
 spy() {
   attach_or_default

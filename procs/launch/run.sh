@@ -237,8 +237,16 @@ make_results() {
     truth=(--world-truth "$dir/truth.geojson")
   fi
   "$BIN/modslam-report" "$dir" "${truth[@]}" || code=$?
+  make_pngs "$dir"
   "$BIN/modslam-report" --table "$dir" || true
   return "$code"
+}
+
+# Every figure of a run as PNG beside its SVG.
+make_pngs() {
+  local svg
+  command -v rsvg-convert >/dev/null || return 0
+  for svg in "$1"/figures/*.svg; do [[ ! -e $svg ]] || rsvg-convert -z 2 "$svg" -o "${svg%.svg}.png" || true; done
 }
 
 attach() {

@@ -52,7 +52,7 @@ export function makeLayerSwitches(visible, changed) {
 
 export function updatePanel(page, now) {
   const {state} = page;
-  say($('link'), page.connected ? `live · ${state.version}` : 'no connection');
+  say($('link'), page.connected ? `live · ${page.live.version}` : 'no connection');
   $('link').classList.toggle('off', !page.connected);
   $('banner').hidden = page.connected;
   say($('banner'), page.everConnected ? 'The viewer is gone. Waiting for it …' : 'Connecting to the viewer …');
