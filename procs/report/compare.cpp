@@ -51,9 +51,9 @@ std::string row(const char* tag, const std::vector<std::string>& cells) {
 
 std::string table(const std::vector<std::string>& head,
                   const std::vector<std::vector<std::string>>& rows) {
-  std::string out = "<table>" + row("th", head);
+  std::string out = "<div style=\"overflow-x:auto\"><table>" + row("th", head);
   for (const auto& cells : rows) out += row("td", cells);
-  return out + "</table>\n";
+  return out + "</table></div>\n";
 }
 
 std::string section(const char* title, const std::string& body) {
@@ -97,16 +97,15 @@ std::string run_times(const std::vector<ComparedRun>& runs) {
   for (const ComparedRun& run : runs) {
     const bool offline = run.timing.is_object() && run.timing.contains("modules");
     std::vector<std::string> cells = {run.name,
-                                      offline ? "ms a scan" : "ms a message, 99 % within"};
+                                      offline ? "ms a scan" : "ms, 99 % within"};
     for (const std::string& name : names) {
       const auto status = run.record.last_status.find(name);
-      if (offline)
-        cells.push_back(
-            fixed(run.timing["modules"].value(name, Json::object()).value("ms_per_scan", 0.0), 3));
-      else
-        cells.push_back(status == run.record.last_status.end()
-                            ? "–"
-                            : fixed(static_cast<double>(status->second.latency_p99_us) / 1000, 3));
+      const bool there = offline ? run.timing["modules"].contains(name)
+                                 : status != run.record.last_status.end();
+      const double ms = !there    ? 0
+                        : offline ? run.timing["modules"][name].value("ms_per_scan", 0.0)
+                                  : static_cast<double>(status->second.latency_p99_us) / 1000;
+      cells.push_back(there ? fixed(ms, 3) : "–");
     }
     rows.push_back(cells);
   }
@@ -143,8 +142,8 @@ std::string differing_parameters(const std::vector<ComparedRun>& runs) {
   for (const std::string& key : keys) {
     std::vector<std::string> cells = {key};
     for (const auto& values : all) cells.push_back(values.count(key) ? values.at(key) : "–");
-    const bool own =
-        key == "recorder.path" || key == "viewer.port";  // of the launch, not of the method
+    const bool own = key.rfind("recorder.", 0) == 0 || key.rfind("viewer.", 0) == 0 ||
+                     key.rfind("player.", 0) == 0;  // of the launch, not of the method
     if (!own && std::set<std::string>(cells.begin() + 1, cells.end()).size() > 1)
       rows.push_back(cells);
   }
