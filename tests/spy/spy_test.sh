@@ -66,7 +66,7 @@ move() {
   local id
   for _ in $(seq 50); do
     id=$(xdotool search --onlyvisible --name "^$1\$" 2>/dev/null | head -1)
-    [ -n "$id" ] && { xdotool windowmove "$id" "$2" "$3"; return; }
+    [ -n "$id" ] && { xdotool windowmove "$id" "$2" "$3"; [ "$1" != LASER ] || xdotool windowsize "$id" 385 440; return; }
     sleep 0.1
   done
   fail "no window '$1' was opened"
