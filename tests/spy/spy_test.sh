@@ -66,7 +66,7 @@ move() {
   local id
   for _ in $(seq 50); do
     id=$(xdotool search --onlyvisible --name "^$1\$" 2>/dev/null | head -1)
-    [ -n "$id" ] && { xdotool windowmove "$id" "$2" "$3"; [ "$1" != LASER ] || xdotool windowsize "$id" 385 440; return; }
+    [ -n "$id" ] && { xdotool windowmove "$id" "$2" "$3"; return; }
     sleep 0.1
   done
   fail "no window '$1' was opened"
@@ -82,6 +82,8 @@ open_views GRAPH "Pose graph" 0 610
 open_views SEMANTIC_ROOMS "Semantic map" 0 240
 open_views POSE "POSE trace" 810 0
 open_views LASER "LASER scan" 465 240
+xdotool mousemove 100 "$(row_of GROUND_TRUTH)" click --repeat 2 --delay 60 1
+move GROUND_TRUTH 700 420
 echo "ok   a double click opens a channel's fields, and a view of scan, path, graph or semantic map"
 if [ -n "$picture" ]; then
   sleep 3

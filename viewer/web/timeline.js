@@ -97,7 +97,10 @@ export class Timeline {
     if (!there) return;
     $('replay-play').textContent = playback.paused ? 'Play' : 'Pause';
     $('replay-text').textContent = `${clockTime(playback.position_s)} / ${clockTime(playback.length_s)}${playback.ended ? ', at the end' : ''}`;
-    if (document.activeElement !== $('replay-speed')) $('replay-speed').value = String(playback.speed);
+    if (document.activeElement === $('replay-speed')) return;
+    if (![...$('replay-speed').options].some((option) => Number(option.value) === playback.speed))
+      $('replay-speed').add(new Option(`${playback.speed}×`, String(playback.speed)));  // one that was set elsewhere
+    $('replay-speed').value = String(playback.speed);
   }
 }
 
