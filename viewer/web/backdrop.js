@@ -2,7 +2,7 @@
 // What stands still is painted once and shown again: a big map costs a frame only when it changes or the view has moved.
 
 const CHEAP_MS = 10;      // what may be spent in every frame
-const REST = 4;           // a dear painting is followed by four times its time without another
+const REST = 8;           // a dear painting is followed by eight times its time without another
 
 export class Backdrop {
   constructor() {
