@@ -3,7 +3,7 @@
 # Sourced by run.sh: one run. Its folder, its processes under supervisor, its end and its results.
 
 readonly CURRENT=${MODSLAM_CURRENT:-$HOUSE/logs/.current}  # names the folder of the run that is going on
-OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED=""
+OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" PLAYER_PID="" ENDED=""
 
 # Options that all runs share; sets OUT, SPEED, CONFIG, OVERRIDES.
 parse_options() {
@@ -168,11 +168,11 @@ play_log() {
 # Plays a log with a player that the page can drive, until it is at the log's end.
 drive_log() {
   "$BIN/modslam-player" --config "$CONFIG" "${OVERRIDES[@]}" --set "player.log=$1" --set "player.speed=$SPEED" >"$OUT/log/player.log" 2>&1 &
-  local pid=$!
+  PLAYER_PID=$!
   until wait_for "$BIN/modslam-conduct" --timeout 2 ended player; do
-    kill -0 "$pid" 2>/dev/null || die "the player ended; see $OUT/log/player.log"
+    kill -0 "$PLAYER_PID" 2>/dev/null || die "the player ended; see $OUT/log/player.log"
   done
-  kill "$pid" 2>/dev/null || true
+  stop_player
 }
 
 # The input has ended: let every process settle in the order in which data flows, stop all, make the results.
@@ -217,6 +217,7 @@ on_signal() {  # exit code
 stop_run() {
   trap - EXIT
   [[ -z $WAITING_PID ]] || kill "$WAITING_PID" 2>/dev/null || true
+  stop_player
   is_program "$SUPERVISOR_PID" supervisord && kill -TERM "$SUPERVISOR_PID"
   [[ -z $SUPERVISOR_PID ]] || wait "$SUPERVISOR_PID" 2>/dev/null || true
   SUPERVISOR_PID=""
@@ -240,6 +241,11 @@ make_results() {
   make_pngs "$dir"
   "$BIN/modslam-report" --table "$dir" || true
   return "$code"
+}
+
+stop_player() {
+  [[ -z $PLAYER_PID ]] || kill "$PLAYER_PID" 2>/dev/null || true
+  PLAYER_PID=""
 }
 
 # Every figure of a run as PNG beside its SVG.
