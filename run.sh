@@ -24,8 +24,10 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
   ./run.sh live [--out DIR] [--url URL] [--only NAME,NAME]
                                               the same processes with the drivers of config/modslam.toml, until Ctrl-C;
                                               --url and --only: several machines share the work (docs/several-machines.md)
-  ./run.sh replay LOG [--speed S] [--out DIR] play an LCM log through the processes with lcm-logplayer;
-                  [--map DIR]                 goes on with the graph of an earlier run on the bus
+  ./run.sh replay LOG [--drive] [--speed S] [--out DIR] [--map DIR]
+                                              play an LCM log through the processes with lcm-logplayer;
+                                              --drive: with our own player, which the page pauses, steps and slows;
+                                              --map: go on with the graph of an earlier run on the bus
   ./run.sh offline LOG --out DIR              the same in one program, as fast as the machine, same bytes every time
   ./run.sh import FILE OUT.lcm [--laser-x M --laser-y M --laser-yaw RAD]
                                               CARMEN .log/.clf (.gz, .xz) or MRPT .rawlog to an LCM log
@@ -36,9 +38,10 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
   ./run.sh optimize FILE.g2o [--robust] [--method toro] [--out OUT.g2o] [--json OUT.json]
                                               a pose graph to its optimum, with a proof where there is one
   ./run.sh bench graph [FOLDER]               chi2 and time beside Ceres and others; writes docs/benchmarks.md
-  ./run.sh report DIR                         make the results in a run's folder from its run.lcm again
+  ./run.sh report DIR...                      make the results in a run's folder from its run.lcm again;
+                                              of several: comparison.html, their errors, run times and parameters
   ./run.sh record OUT.lcm                     lcm-logger on the run that is going on, until Ctrl-C
-  ./run.sh spy                                lcm-spy with our message types
+  ./run.sh spy [--text]                       lcm-spy with our message types and views; --text: in this terminal
   ./run.sh view                               where the page of the run that is going on is
   ./run.sh status                             processes, restarts, rates, losses, latencies; exit code 1 when one is in trouble
   ./run.sh doctor                             what is wrong with this machine or the run, in plain words
@@ -70,13 +73,15 @@ replay() {
   [[ -n $log && $log != --* ]] || die "replay: which log? ./run.sh replay LOG [--speed S] [--out DIR]"
   log=$(here "$log"); shift
   [[ -r $log ]] || die "replay: $log: there is no such file"
+  local play=play_log
+  [[ ${1:-} == --drive ]] && { play=drive_log; shift; }
   parse_run_options replay "$@"
   OVERRIDES+=(--set launch.lockstep=true)  # the speed of the player changes nothing
   check_log "$log"
   awk "BEGIN {exit !($SPEED > $MOST_UDP_SPEED)}" && BUS=tcp
   start_run ""
   echo "Replaying $log at $SPEED times real time. Page: $(page_url)   Stop: Ctrl-C"
-  play_log "$LOG"
+  "$play" "$LOG"
   end_run
   return "$LOG_CODE"
 }
@@ -101,9 +106,19 @@ simulate() {
 }
 optimize() { cd "$CALLER"; exec "$BIN/modslam-optimize" "$@"; }
 evaluate() { cd "$CALLER"; exec "$BIN/modslam-evaluate" "$@"; }
-report() { make_results "$(here "${1:?report: which folder?}")"; }
+report() {
+  local folders=() folder
+  for folder in "${@:?report: which folder?}"; do folders+=("$(here "$folder")"); done
+  if ((${#folders[@]} == 1)); then make_results "${folders[0]}"; return; fi
+  "$BIN/modslam-report" --compare "${folders[@]}" --out "$CALLER/comparison.html"
+  echo "Written: $CALLER/comparison.html"
+}
 record() { attach; exec lcm-logger "$(here "${1:?record: which file?}")"; }
-spy() { attach_or_default; exec procs/spy/spy.sh "$BUILD"; }
+spy() {
+  attach_or_default
+  if [[ ${1:-} == --text ]]; then shift; exec "$BIN/modslam-text-spy" "$@"; fi
+  exec procs/spy/spy.sh "$BUILD"
+}
 view() { attach; page_url; }
 # shellcheck disable=SC2086
 status() { attach; exec "$BIN/modslam-conduct" status --supervisor-log "$OUT/log/supervisord.log" $PROCESSES; }

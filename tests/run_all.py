@@ -215,7 +215,9 @@ def suites(build):
     yield "unit", lambda tally: run_catch(tally, build)
     commands = {f"layers/{p.stem}": [sys.executable, p, build] for p in sorted(TESTS.glob("layers/*_test.py"))}
     commands["viewer"] = [sys.executable, TESTS / "viewer" / "viewer_test.py", build / "bin"]
+    commands["viewer/replay_page"] = [sys.executable, TESTS / "viewer" / "replay_page_test.py", build]
     commands["spy"] = ["bash", TESTS / "spy" / "spy_test.sh", build]
+    commands["spy/text"] = ["bash", TESTS / "spy" / "text_spy_test.sh", build]
     commands.update({f"replay/{p.stem}": [sys.executable, p, build] for p in sorted(TESTS.glob("replay/*_test.py"))})
     for name, command in commands.items():
         yield name, lambda tally, name=name, command=command: run_script(tally, name, command)

@@ -47,10 +47,6 @@ json counts_json(const std::vector<channel_count_t>& counts) {
   return list;
 }
 
-void append(json& flat, const Pose2& pose) {
-  for (const double value : {pose.x, pose.y, pose.heading}) flat.push_back(rounded(value));
-}
-
 }  // namespace
 
 FramePtr text_frame(const json& content) {
@@ -138,10 +134,39 @@ json scan_json(const Scan& scan, const SensorInfo& sensor, const Pose2& T_map_ba
   return {{"stream", "scan"}, {"utime", scan.utime}, {"points", std::move(flat)}};
 }
 
-json poses_json(const char* stream, std::size_t first, const std::vector<Pose2>& poses) {
+json poses_json(const char* stream, std::size_t first,
+                const std::vector<std::array<double, 3>>& poses) {
   json flat = json::array();
-  for (const Pose2& pose : poses) append(flat, pose);
+  for (const auto& pose : poses)
+    for (const double value : pose) flat.push_back(rounded(value));
   return {{"stream", stream}, {"first", first}, {"poses", std::move(flat)}};
+}
+
+std::array<double, 3> ellipse(const Eigen::Matrix3d& covariance) {
+  const double xx = covariance(0, 0), xy = covariance(0, 1), yy = covariance(1, 1);
+  const double mean = (xx + yy) / 2, spread = std::hypot((xx - yy) / 2, xy);
+  return {std::sqrt(std::max(0.0, mean + spread)), std::sqrt(std::max(0.0, mean - spread)),
+          0.5 * std::atan2(2 * xy, xx - yy)};
+}
+
+json playback_json(const playback_t& message, std::int64_t seen_ms) {
+  return {{"stream", "playback"},
+          {"position_s", number(message.position_s, "playback")},
+          {"length_s", number(message.length_s, "playback")},
+          {"speed", number(message.speed, "playback")},
+          {"paused", message.paused != 0},
+          {"ended", message.ended != 0},
+          {"seen_ms", seen_ms}};
+}
+
+json counts_json(const std::map<std::string, ChannelCount>& counts) {
+  json list = json::array();
+  for (const auto& [name, count] : counts)
+    list.push_back({{"channel", name},
+                    {"received", count.received},
+                    {"bad", count.bad},
+                    {"gaps", count.gaps}});
+  return list;
 }
 
 json status_json(const process_status_t& message, std::int64_t seen_ms) {

@@ -6,9 +6,11 @@
 /// they are repaired to valid UTF-8 and escaped by the JSON library. Metres are rounded to
 /// millimetres.
 #pragma once
+#include <array>
 #include <modslam/door_list_t.hpp>
 #include <modslam/map_tile_t.hpp>
 #include <modslam/object_list_t.hpp>
+#include <modslam/playback_t.hpp>
 #include <modslam/pose_estimate_t.hpp>
 #include <modslam/process_status_t.hpp>
 #include <modslam/room_list_t.hpp>
@@ -16,6 +18,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "common/bus/bus.hpp"
 #include "common/geometry/pose2.hpp"
 #include "common/scan/scan.hpp"
 #include "viewer/outbox.hpp"
@@ -33,9 +36,17 @@ nlohmann::json pose_json(const pose_estimate_t& message);
 /// The returns of a scan in the map frame, flat: x0 y0 x1 y1 ...
 nlohmann::json scan_json(const Scan& scan, const SensorInfo& sensor, const Pose2& T_map_base);
 /// Poses flat: x0 y0 heading0 x1 ...; `first` is the number of the first one.
-nlohmann::json poses_json(const char* stream, std::size_t first, const std::vector<Pose2>& poses);
+nlohmann::json poses_json(const char* stream, std::size_t first,
+                          const std::vector<std::array<double, 3>>& poses);
+/// Half axes [m] of the ellipse that a covariance's x and y span at one sigma, and the heading
+/// [rad] of the longer one.
+std::array<double, 3> ellipse(const Eigen::Matrix3d& covariance);
 /// @param seen_ms  when it was received, on the clock that the stream `clock` tells.
 nlohmann::json status_json(const process_status_t& message, std::int64_t seen_ms);
+
+/// Where the replay of a log stands. @throws BadMessage on impossible numbers.
+nlohmann::json playback_json(const playback_t& message, std::int64_t seen_ms);
+nlohmann::json counts_json(const std::map<std::string, ChannelCount>& counts);
 
 /// The cells of a tile, row 0 lowest y. @throws BadMessage on an unknown encoding, a size out of
 /// bounds or data that do not unpack to exactly ncells^2 bytes.

@@ -9,7 +9,13 @@ void Hub::publish(const std::string& stream, FramePtr frame) {
   for (const auto& outbox : outboxes_) outbox->put(stream, frame);
 }
 
+void Hub::publish_kept(const std::string& stream, std::int64_t utime, FramePtr frame) {
+  history_.add(stream, utime, frame);
+  publish(stream, std::move(frame));
+}
+
 void Hub::restart(const std::string& kept_prefix) {
+  history_.clear();
   const std::lock_guard lock(mutex_);
   for (auto it = newest_.begin(); it != newest_.end();)
     it = it->first.rfind(kept_prefix, 0) == 0 ? std::next(it) : newest_.erase(it);

@@ -8,27 +8,27 @@
 
 namespace modslam {
 
-void Trail::set(std::size_t index, const Pose2& pose) {
-  assert(index <= poses_.size());
-  if (index == poses_.size())
-    poses_.push_back(pose);
+void Trail::set(std::size_t index, const Triple& triple) {
+  assert(index <= triples_.size());
+  if (index == triples_.size())
+    triples_.push_back(triple);
   else
-    poses_[index] = pose;
+    triples_[index] = triple;
   changed_.insert(index / kPiece);
 }
 
 void Trail::clear() {
-  poses_.clear();
+  triples_.clear();
   changed_.clear();
 }
 
-void Trail::flush(Hub& hub) {
+void Trail::flush(Hub& hub, std::int64_t utime) {
   for (const std::size_t piece : changed_) {
-    const auto begin = poses_.begin() + static_cast<std::ptrdiff_t>(piece * kPiece);
-    const auto end =
-        poses_.begin() + static_cast<std::ptrdiff_t>(std::min(poses_.size(), (piece + 1) * kPiece));
-    hub.publish(name_ + "/" + std::to_string(piece),
-                text_frame(poses_json(name_.c_str(), piece * kPiece, {begin, end})));
+    const auto begin = triples_.begin() + static_cast<std::ptrdiff_t>(piece * kPiece);
+    const auto end = triples_.begin() +
+                     static_cast<std::ptrdiff_t>(std::min(triples_.size(), (piece + 1) * kPiece));
+    hub.publish_kept(name_ + "/" + std::to_string(piece), utime,
+                     text_frame(poses_json(name_.c_str(), piece * kPiece, {begin, end})));
   }
   changed_.clear();
 }

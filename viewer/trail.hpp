@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file A long list of poses, sent in pieces so that a change costs one piece.
 #pragma once
+#include <array>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,7 +11,11 @@
 
 namespace modslam {
 
-/// Poses 0, 1, 2, ... of stream `name`; piece k holds poses k * kPiece and following, as stream
+/// Three numbers: x [m], y [m], heading [rad] of a pose, or the axes of an ellipse.
+using Triple = std::array<double, 3>;
+inline Triple triple(const Pose2& pose) { return {pose.x, pose.y, pose.heading}; }
+
+/// Triples 0, 1, 2, ... of stream `name`; piece k holds numbers k * kPiece and following, as stream
 /// "name/k".
 class Trail {
  public:
@@ -18,17 +23,17 @@ class Trail {
 
   explicit Trail(std::string name) : name_(std::move(name)) {}
 
-  /// Changes pose `index`, or appends it when it is the next.
-  void set(std::size_t index, const Pose2& pose);
-  void append(const Pose2& pose) { set(poses_.size(), pose); }
+  /// Changes number `index`, or appends it when it is the next.
+  void set(std::size_t index, const Triple& triple);
+  void append(const Triple& triple) { set(triples_.size(), triple); }
   void clear();
-  /// Publishes the pieces that changed since the last call.
-  void flush(Hub& hub);
-  const std::vector<Pose2>& poses() const { return poses_; }
+  /// Publishes the pieces that changed since the last call, as of message time `utime`.
+  void flush(Hub& hub, std::int64_t utime);
+  const std::vector<Triple>& triples() const { return triples_; }
 
  private:
   std::string name_;
-  std::vector<Pose2> poses_;
+  std::vector<Triple> triples_;
   std::set<std::size_t> changed_;
 };
 

@@ -18,29 +18,33 @@ void Truth::add(const TimedPose& T_world_base) {
   if (T_map_world_) extend(T_world_base.pose);
 }
 
-void Truth::add_estimate(std::int64_t utime, const Pose2& T_map_base) {
-  if (T_map_world_) return;
+std::optional<double> Truth::add_estimate(std::int64_t utime, const Pose2& T_map_base) {
   std::size_t nearest = recent_.size();
   std::int64_t nearest_us = kBeside_us + 1;
   for (std::size_t i = 0; i < recent_.size(); ++i) {
     const std::int64_t apart_us = std::llabs(recent_[i].utime - utime);
     if (apart_us < nearest_us) nearest = i, nearest_us = apart_us;
   }
-  if (nearest == recent_.size()) return;
-  T_map_world_ = T_map_base * recent_[nearest].pose.inverse();
-  for (std::size_t i = nearest; i < recent_.size(); ++i) extend(recent_[i].pose);
+  if (nearest == recent_.size()) return std::nullopt;
+  if (!T_map_world_) {
+    T_map_world_ = T_map_base * recent_[nearest].pose.inverse();
+    for (std::size_t i = nearest; i < recent_.size(); ++i) extend(recent_[i].pose);
+  }
+  return distance(*T_map_world_ * recent_[nearest].pose, T_map_base);
 }
 
 void Truth::clear() {
   recent_.clear();
   T_map_world_.reset();
+  last_.reset();
   trail_.clear();
 }
 
 void Truth::extend(const Pose2& T_world_base) {
   const Pose2 T_map_base = *T_map_world_ * T_world_base;
-  if (trail_.poses().empty() || distance(trail_.poses().back(), T_map_base) >= kStep_m)
-    trail_.append(T_map_base);
+  if (last_ && distance(*last_, T_map_base) < kStep_m) return;
+  last_ = T_map_base;
+  trail_.append(triple(T_map_base));
 }
 
 }  // namespace modslam

@@ -15,16 +15,17 @@ namespace modslam {
 class Truth {
  public:
   void add(const TimedPose& T_world_base);
-  void add_estimate(std::int64_t utime, const Pose2& T_map_base);
+  /// @return the distance to the true position [m]; nothing when no true pose lies beside it.
+  std::optional<double> add_estimate(std::int64_t utime, const Pose2& T_map_base);
   void clear();
-  void flush(Hub& hub) { trail_.flush(hub); }
-  const std::vector<Pose2>& trail() const { return trail_.poses(); }
+  void flush(Hub& hub, std::int64_t utime) { trail_.flush(hub, utime); }
+  const std::vector<Triple>& trail() const { return trail_.triples(); }
 
  private:
   void extend(const Pose2& T_world_base);
 
   std::deque<TimedPose> recent_;  ///< newest last
-  std::optional<Pose2> T_map_world_;
+  std::optional<Pose2> T_map_world_, last_;
   Trail trail_{"truth"};
 };
 

@@ -2,7 +2,11 @@
 #include "viewer/web_server.hpp"
 
 #include <civetweb.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <cstdlib>
+#include <cstring>
 #include <stdexcept>
 #include <thread>
 
@@ -10,10 +14,14 @@ namespace modslam {
 namespace {
 
 constexpr auto kWakeUp = std::chrono::milliseconds(200);
+constexpr auto kTooManyPause = std::chrono::milliseconds(50);
+constexpr int kNice = 10;
 
-/// Only what this server itself sends may run or load on the page.
+/// Only what this server itself sends may run or load on the page; the hash is of the one inline
+/// style by which dygraphs measures an em.
 constexpr const char* kSafetyHeaders =
     "Content-Security-Policy: default-src 'self'; connect-src 'self'; img-src 'self' data:; "
+    "style-src 'self' 'unsafe-hashes' 'sha256-MJyOH6fkfzWPCLv2CfAAYjOtxkqoLBYZsmiMyy1D4sc='; "
     "frame-ancestors 'none'\r\n"
     "X-Content-Type-Options: nosniff\r\n"
     "Referrer-Policy: no-referrer\r\n"
@@ -24,20 +32,24 @@ std::string header(const mg_connection* connection, const char* name) {
   return value ? value : "";
 }
 
-void refuse(const mg_connection* connection, int status, const char* why) {
+int refuse(const mg_connection* connection, int status, const char* why) {
   // civetweb hands a const connection to the one callback that may answer on it.
   mg_send_http_error(const_cast<mg_connection*>(connection), status, "%s", why);
+  return status;
+}
+
+/// civetweb's threads, and those they start, step back behind the mapping processes.
+void* step_back(const mg_context*, int) {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+  return nullptr;
+}
+
+void append_length(std::string& bytes, std::uint32_t value) {
+  for (int shift = 0; shift < 32; shift += 8)
+    bytes.push_back(static_cast<char>((value >> shift) & 0xff));
 }
 
 }  // namespace
-
-bool is_own_page(const std::string& host, const std::string& origin) {
-  const std::size_t colon = host.rfind(':');
-  const bool has_port = colon != std::string::npos && host.find(']', colon) == std::string::npos;
-  const std::string name = host.substr(0, has_port ? colon : host.size());
-  const bool loopback = name == "127.0.0.1" || name == "localhost" || name == "[::1]";
-  return loopback && (origin.empty() || origin == "http://" + host);
-}
 
 /// A connected page and the thread that empties its outbox.
 struct WebServer::Page {
@@ -55,9 +67,10 @@ struct WebServer::Page {
   }
 };
 
-WebServer::WebServer(int port, Hub& hub, const std::vector<WebFile>& files)
-    : hub_(hub), files_(files) {
-  const std::string address = "127.0.0.1:" + std::to_string(port);
+WebServer::WebServer(const std::string& host, int port, Gate gate, Hub& hub, Wishes& wishes,
+                     const std::vector<WebFile>& files)
+    : gate_(std::move(gate)), hub_(hub), wishes_(wishes), files_(files) {
+  const std::string address = host + ":" + std::to_string(port);
   const std::string threads = std::to_string(kMaxPages + 4);
   const char* options[] = {"listening_ports",
                            address.c_str(),
@@ -71,7 +84,9 @@ WebServer::WebServer(int port, Hub& hub, const std::vector<WebFile>& files)
                            "yes",
                            nullptr};
   mg_init_library(0);
-  context_ = mg_start(nullptr, nullptr, options);
+  mg_callbacks callbacks{};
+  callbacks.init_thread = step_back;
+  context_ = mg_start(&callbacks, nullptr, options);
   if (!context_) {
     mg_exit_library();
     throw std::runtime_error(
@@ -92,37 +107,74 @@ WebServer::~WebServer() {
   mg_exit_library();
 }
 
-int WebServer::answer(mg_connection* connection, void* self) {
+bool WebServer::admits(const mg_connection* connection) const {
   const mg_request_info* request = mg_get_request_info(connection);
-  const std::string method = request->request_method;
-  if (method != "GET" && method != "HEAD") {
-    refuse(connection, 405, "only GET and HEAD");
-    return 405;
+  return gate_.admits(header(connection, "Host"), header(connection, "Origin"),
+                      request->query_string ? request->query_string : "");
+}
+
+int WebServer::answer(mg_connection* connection, void* self) {
+  auto* server = static_cast<WebServer*>(self);
+  if (!server->requests_.take()) {
+    std::this_thread::sleep_for(kTooManyPause);  // holds the asker back, not the run
+    return refuse(connection, 429, "too many requests");
   }
-  std::string path = request->local_uri;
-  if (path == "/") path = "/index.html";
-  for (const WebFile& file : static_cast<WebServer*>(self)->files_) {
+  const mg_request_info* request = mg_get_request_info(connection);
+  const std::string method = request->request_method, path = request->local_uri;
+  if (method != "GET" && method != "HEAD") return refuse(connection, 405, "only GET and HEAD");
+  if (path == "/past") {
+    if (!server->admits(connection)) return refuse(connection, 403, "only the viewer's own page");
+    return server->send_past(connection, request->query_string ? request->query_string : "");
+  }
+  if (server->send_file(connection, path == "/" ? "/index.html" : path, method == "GET"))
+    return 200;
+  return refuse(connection, 404, "no such page");
+}
+
+bool WebServer::send_file(mg_connection* connection, const std::string& path,
+                          bool with_body) const {
+  for (const WebFile& file : files_) {
     if (path != file.path) continue;
     mg_printf(
         connection,
         "HTTP/1.1 200 OK\r\nContent-Type: %s\r\nContent-Length: %zu\r\n%sConnection: close\r\n\r\n",
         file.type, file.bytes.size(), kSafetyHeaders);
-    if (method == "GET") mg_write(connection, file.bytes.data(), file.bytes.size());
-    return 200;
+    if (with_body) mg_write(connection, file.bytes.data(), file.bytes.size());
+    return true;
   }
-  refuse(connection, 404, "no such page");
-  return 404;
+  return false;
+}
+
+/// All frames of that time, each behind a byte (1: binary) and its length, 4 bytes little endian.
+int WebServer::send_past(mg_connection* connection, const std::string& query) {
+  const std::string utime = query_value(query, "utime").value_or("");
+  char* end = nullptr;
+  const std::int64_t wanted = std::strtoll(utime.c_str(), &end, 10);
+  if (utime.empty() || *end != '\0') return refuse(connection, 400, "utime is no number");
+  if (!pasts_.take()) {
+    std::this_thread::sleep_for(kTooManyPause);
+    return refuse(connection, 429, "too many requests");
+  }
+  std::string body;
+  for (const FramePtr& frame : hub_.history().at(wanted)) {
+    body.push_back(frame->binary ? 1 : 0);
+    append_length(body, static_cast<std::uint32_t>(frame->bytes.size()));
+    body += frame->bytes;
+  }
+  mg_printf(connection,
+            "HTTP/1.1 200 OK\r\nContent-Type: application/octet-stream\r\nContent-Length: %zu\r\n"
+            "%sConnection: close\r\n\r\n",
+            body.size(), kSafetyHeaders);
+  mg_write(connection, body.data(), body.size());
+  return 200;
 }
 
 int WebServer::admit(const mg_connection* connection, void* self) {
-  if (!is_own_page(header(connection, "Host"), header(connection, "Origin"))) {
-    refuse(connection, 403, "only the viewer's own page may listen");
-    return 1;
-  }
-  if (static_cast<WebServer*>(self)->pages_ >= kMaxPages) {
-    refuse(connection, 503, "too many pages are open");
-    return 1;
-  }
+  auto* server = static_cast<WebServer*>(self);
+  if (!server->requests_.take()) return refuse(connection, 429, "too many requests"), 1;
+  if (!server->admits(connection))
+    return refuse(connection, 403, "only the viewer's own page may listen"), 1;
+  if (server->pages_ >= kMaxPages) return refuse(connection, 503, "too many pages are open"), 1;
   return 0;
 }
 
@@ -135,9 +187,11 @@ void WebServer::open(mg_connection* connection, void* self) {
   mg_set_user_connection_data(connection, page);
 }
 
-/// The page only listens: anything but a sign of life ends the connection.
-int WebServer::hear(mg_connection*, int bits, char*, std::size_t, void*) {
+/// A page may wish something of a player; anything else but a sign of life ends the connection.
+int WebServer::hear(mg_connection*, int bits, char* bytes, std::size_t size, void* self) {
   const int kind = bits & 0x0f;
+  if (kind == MG_WEBSOCKET_OPCODE_TEXT)
+    return size <= 16 && static_cast<WebServer*>(self)->wishes_.add({bytes, size});
   return kind == MG_WEBSOCKET_OPCODE_PING || kind == MG_WEBSOCKET_OPCODE_PONG;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file The page and its WebSocket on 127.0.0.1, by civetweb. The only place that knows threads
+/// @file The page, its WebSocket and the run's past, by civetweb. The only place that knows threads
 /// and sockets.
 #pragma once
 #include <atomic>
@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "viewer/gate.hpp"
 #include "viewer/hub.hpp"
 
 struct mg_connection;
@@ -23,22 +24,16 @@ struct WebFile {
 };
 const std::vector<WebFile>& web_files();
 
-/// Whether a WebSocket request may be answered: it was sent to a loopback name (so no foreign name
-/// was rebound to this machine) and, when a browser says where it comes from, it comes from that
-/// very address.
-/// @param host    header Host, e.g. "127.0.0.1:8080"; with port forwarding the port is the
-/// forwarded one.
-/// @param origin  header Origin, e.g. "http://127.0.0.1:8080"; empty: not from a web page.
-bool is_own_page(const std::string& host, const std::string& origin);
-
-/// Serves `files` at their paths and the streams of `hub` at /ws until it is destroyed.
+/// Serves `files` at their paths, the streams of `hub` at /ws and its past at /past?utime=N until
+/// it is destroyed. Its threads run at low priority: whatever is asked of them, mapping goes first.
 class WebServer {
  public:
   static constexpr int kMaxPages =
       12;  ///< each holds one thread of the server; the next one gets a 503
 
   /// @throws std::runtime_error when the port is taken or not allowed; the text names it.
-  WebServer(int port, Hub& hub, const std::vector<WebFile>& files);
+  WebServer(const std::string& host, int port, Gate gate, Hub& hub, Wishes& wishes,
+            const std::vector<WebFile>& files);
   ~WebServer();
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
@@ -53,8 +48,15 @@ class WebServer {
   static int hear(mg_connection* connection, int bits, char* bytes, std::size_t size, void* self);
   static void close(const mg_connection* connection, void* self);
 
+  bool admits(const mg_connection* connection) const;
+  int send_past(mg_connection* connection, const std::string& query);
+  bool send_file(mg_connection* connection, const std::string& path, bool with_body) const;
+
+  Gate gate_;
   Hub& hub_;
+  Wishes& wishes_;
   const std::vector<WebFile>& files_;
+  RateLimit requests_{100, 200}, pasts_{20, 20};
   std::atomic<int> pages_{0};
   mg_context* context_ = nullptr;
   int port_ = 0;

@@ -24,7 +24,12 @@ inline constexpr const char* kObjects = "SEMANTIC_OBJECTS";
 inline constexpr const char* kStatus = "STATUS";
 inline constexpr const char* kParameters = "PARAMETERS";
 inline constexpr const char* kCommand = "COMMAND";
+inline constexpr const char* kPlayback = "PLAYBACK";
+inline constexpr const char* kPlaybackCommand = "PLAYBACK_COMMAND";
 inline constexpr const char* kSimState = "SIM_STATE";
 inline constexpr const char* kSimInfo = "SIM_INFO";
+
+/// What a log may feed in again; whatever else is in it is the result of an earlier run.
+inline constexpr const char* const from_logs[] = {kLaser, kOdometry, kIns, kSensorInfo, kGroundTruth, kSimInfo};
 
 }  // namespace modslam::channel

@@ -46,7 +46,7 @@ GraphEdge to_edge(const graph_edge_t& message) {
   return edge;
 }
 
-GraphMirror::GraphMirror(Bus& bus) : bus_(bus) {
+GraphMirror::GraphMirror(Bus& bus, Scans scans) : bus_(bus), scans_(scans) {
   bus.subscribe<graph_node_t>(channel::kNode, [this](const graph_node_t& m) { take_node(m); });
   bus.subscribe<graph_update_t>(channel::kGraph, [this](const graph_update_t& m) { take_update(m); });
   bus.subscribe<pose_estimate_t>(channel::kPose, [this](const pose_estimate_t& m) { take_pose(m); });
@@ -88,6 +88,7 @@ void GraphMirror::append_ready_nodes() {
       early_poses_.erase(pose);
     }
     if (on_node) on_node(nodes_.back());
+    if (scans_ == kDropScans) nodes_.back().scan = Scan();
   }
 }
 

@@ -32,8 +32,10 @@ struct MirrorNode {
 
 class GraphMirror {
  public:
+  enum Scans { kKeepScans, kDropScans };  ///< dropped ones are still seen in on_node
+
   /// Subscribes to NODE, GRAPH and POSE and asks for what was published before.
-  explicit GraphMirror(Bus& bus);
+  explicit GraphMirror(Bus& bus, Scans scans = kKeepScans);
 
   /// Called in order of id, once for each node, as soon as all before it are there.
   std::function<void(const MirrorNode&)> on_node;
@@ -67,6 +69,7 @@ class GraphMirror {
   void reset();
 
   Bus& bus_;
+  Scans scans_;
   std::vector<MirrorNode> nodes_;
   std::map<NodeId, MirrorNode> early_nodes_;       ///< arrived before one of their forerunners
   std::map<NodeId, Pose2> early_poses_;            ///< newest pose of nodes that are not here yet

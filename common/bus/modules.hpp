@@ -16,6 +16,7 @@ std::unique_ptr<Module> make_loop_detector(Bus&, const SystemConfig&);
 std::unique_ptr<Module> make_map_builder(Bus&, const SystemConfig&);
 std::unique_ptr<Module> make_semantic_classifier(Bus&, const SystemConfig&);
 std::unique_ptr<Module> make_recorder(Bus&, const SystemConfig&);
+std::unique_ptr<Module> make_player(Bus&, const SystemConfig&);
 std::unique_ptr<Module> make_viewer(Bus&, const SystemConfig&);
 
 }  // namespace modslam

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/bus/journal.hpp"
+#include "common/config/player.hpp"
 #include "common/config/viewer.hpp"
 #include "common/config/visitor.hpp"
 #include "common/graph/estimator.hpp"
@@ -57,6 +58,7 @@ struct SystemConfig {
   RecorderConfig recorder;
   JournalConfig journal;
   ViewerConfig viewer;
+  PlayerConfig player;
   SimulatorConfig simulator;
   LaserConfig laser;
   OdometryConfig odometry;
@@ -75,6 +77,7 @@ struct SystemConfig {
     visit(recorder);
     visit(journal);
     visit(viewer);
+    visit(player);
     visit(simulator);
     visit(laser);
     visit(odometry);

@@ -51,3 +51,11 @@ bench_slam() {
   echo "Written: logs/bench/slam.json, logs/bench/matcher.json, the section in docs/benchmarks.md"
   return "$code"
 }
+
+# The page and the viewer with ten thousand nodes and a thousand rooms.
+bench_viewer() {
+  command -v chromedriver >/dev/null || die "bench viewer: apt install chromium chromium-driver"
+  build_bench publish_big
+  python3 tests/viewer/viewer_bench.py "$BIN" --json logs/bench/viewer.json --markdown logs/bench/viewer.md
+  write_section viewer logs/bench/viewer.md
+}

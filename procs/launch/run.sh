@@ -3,7 +3,7 @@
 # Sourced by run.sh: one run. Its folder, its processes under supervisor, its end and its results.
 
 readonly CURRENT=${MODSLAM_CURRENT:-$HOUSE/logs/.current}  # names the folder of the run that is going on
-OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" ENDED="" BUS=udp BUS_URL="" ONLY="" MAP=""
+OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" PLAYER_PID="" ENDED="" BUS=udp BUS_URL="" ONLY="" MAP=""
 
 # Options that all runs share; sets OUT, SPEED, CONFIG, OVERRIDES.
 parse_options() {
@@ -196,6 +196,16 @@ play_log() {
     die "lcm-logplayer failed; see $OUT/log/logplayer.log"
 }
 
+# Plays a log with a player that the page can drive, until it is at the log's end.
+drive_log() {
+  "$BIN/modslam-player" --config "$CONFIG" "${OVERRIDES[@]}" --set "player.log=$1" --set "player.speed=$SPEED" >"$OUT/log/player.log" 2>&1 &
+  PLAYER_PID=$!
+  until wait_for "$BIN/modslam-conduct" --timeout 2 ended player; do
+    kill -0 "$PLAYER_PID" 2>/dev/null || die "the player ended; see $OUT/log/player.log"
+  done
+  stop_player
+}
+
 # The input has ended: let every process settle in the order in which data flows, stop all, make the results.
 end_run() {
   local order=(scan_matcher "$(estimator_process)") name
@@ -239,6 +249,7 @@ on_signal() {  # exit code
 stop_run() {
   trap - EXIT
   [[ -z $WAITING_PID ]] || kill "$WAITING_PID" 2>/dev/null || true
+  stop_player
   is_program "$SUPERVISOR_PID" supervisord && kill -TERM "$SUPERVISOR_PID"
   [[ -z $SUPERVISOR_PID ]] || wait "$SUPERVISOR_PID" 2>/dev/null || true
   SUPERVISOR_PID=""
@@ -262,8 +273,21 @@ make_results() {
     fi
   fi
   "$BIN/modslam-report" "$dir" "${truth[@]}" || code=$?
+  make_pngs "$dir"
   "$BIN/modslam-report" --table "$dir" || true
   return "$code"
+}
+
+stop_player() {
+  [[ -z $PLAYER_PID ]] || kill "$PLAYER_PID" 2>/dev/null || true
+  PLAYER_PID=""
+}
+
+# Every figure of a run as PNG beside its SVG.
+make_pngs() {
+  local svg
+  command -v rsvg-convert >/dev/null || return 0
+  for svg in "$1"/figures/*.svg; do [[ ! -e $svg ]] || rsvg-convert -z 2 "$svg" -o "${svg%.svg}.png" || true; done
 }
 
 attach() {

@@ -24,8 +24,7 @@ namespace modslam {
 namespace {
 
 /// What a log may feed in; everything else in it is a result of some earlier run.
-const std::set<std::string> kInputChannels = {channel::kLaser, channel::kOdometry,    channel::kIns,
-                                              channel::kSensorInfo, channel::kGroundTruth, channel::kSimInfo};
+const std::set<std::string> kInputChannels(std::begin(channel::from_logs), std::end(channel::from_logs));
 
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();

@@ -7,6 +7,8 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "common/formats/atomic_file.hpp"
+#include "procs/report/compare.hpp"
 #include "procs/report/report.hpp"
 
 namespace {
@@ -24,9 +26,12 @@ void limit_memory() {
 int main(int argc, char** argv) {
   modslam::report::ReportOptions options;
   bool table = false, world_of = false;
-  CLI::App app("Makes the files of a run's folder from its LCM log.");
-  app.add_option("DIR", options.folder, "folder of the run; the results are written there")
-      ->required();
+  std::vector<std::string> compared;
+  std::string out = "comparison.html";
+  CLI::App app("Makes the files of a run's folder from its LCM log, or compares runs.");
+  CLI::Option* const folder = app.add_option("DIR", options.folder, "folder of the run; the results are written there");
+  app.add_option("--compare", compared, "folders of runs: write a page that compares them")->excludes(folder);
+  app.add_option("--out", out, "of --compare")->capture_default_str();
   app.add_option("--log", options.log, "the LCM log [DIR/run.lcm]");
   app.add_option("--world-truth", options.world_truth,
                  "GeoJSON of the simulated world, drawn under what was found");
@@ -35,6 +40,11 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   limit_memory();
   try {
+    if (!compared.empty()) {
+      modslam::write_atomically(out, modslam::report::comparison_page(compared));
+      return 0;
+    }
+    if (options.folder.empty()) throw std::runtime_error("which folder? See --help");
     if (world_of) {
       std::cout << modslam::report::world_of(options);
       return 0;

@@ -45,6 +45,11 @@ text { font-family: inherit; fill: var(--ink); }
 .path.ours { stroke: var(--ours); stroke-width: 1.8; } .path.truth { stroke: var(--truth); stroke-width: 3.2; stroke-opacity: 0.55; }
 .path.odometry { stroke: var(--odometry); stroke-width: 1.2; stroke-dasharray: 5 3; }
 .curve.ours { stroke: var(--ours); stroke-width: 1.8; } .curve.odometry { stroke: var(--odometry); stroke-width: 1.3; }
+.curve[class*="run"] { stroke-width: 1.5; }
+.curve.run0 { stroke: #1f5fd6; } .curve.run1 { stroke: #c8324a; } .curve.run2 { stroke: #12805c; }
+.curve.run3 { stroke: #b7791f; } .curve.run4 { stroke: #8b3fc7; } .curve.run5 { stroke: #6d5c49; }
+.swatch.run0 { background: #1f5fd6; } .swatch.run1 { background: #c8324a; } .swatch.run2 { background: #12805c; }
+.swatch.run3 { background: #b7791f; } .swatch.run4 { background: #8b3fc7; } .swatch.run5 { background: #6d5c49; }
 .room { stroke: none; fill-opacity: 0.32; } .tone0 { fill: #5aa9d6; } .tone1 { fill: #74b87a; } .tone2 { fill: #d8a64a; }
 .tone3 { fill: #b58ad0; } .tone4 { fill: #e08a84; } .tone5 { fill: #56b8ad; } .corridor { fill: #8a94a6; }
 .room-name { font-size: 13px; font-weight: 600; } .room-area { font-size: 11.5px; }

@@ -38,9 +38,10 @@ std::string time_ticks(const TimeAxis& axis, double top, double bottom) {
 }
 
 struct Series {
-  const char* style;
+  std::string style;
   const std::vector<PosePair>* pairs;
   const std::vector<double>* errors;  ///< of either sign
+  std::int64_t start_utime;
 };
 
 /// Errors span decades: the axis is logarithmic, between whole decades.
@@ -71,7 +72,8 @@ DecadeAxis decades_of(const std::vector<Series>& series, double top, double bott
 Points worst_by_column(const Series& s, const TimeAxis& time, const DecadeAxis& value) {
   std::map<int, double> worst;
   for (std::size_t i = 0; i < s.pairs->size(); ++i) {
-    const int column = static_cast<int>(time.px(time.seconds(std::llround(1e6 * (*s.pairs)[i].stamp_s))));
+    const TimeAxis own{s.start_utime, time.duration_s};
+    const int column = static_cast<int>(own.px(own.seconds(std::llround(1e6 * (*s.pairs)[i].stamp_s))));
     double& e = worst[column];
     e = std::max(e, std::abs((*s.errors)[i]));
   }
@@ -96,7 +98,7 @@ std::string error_plot(const char* title, const char* unit, const TimeAxis& time
   }
   for (const Series& s : series)
     out += polyline(simplify(worst_by_column(s, time, value), 0.3),
-                    std::string("class=\"curve ") + s.style + "\"");
+                    "class=\"curve " + s.style + "\"");
   return out + "</svg>\n";
 }
 
@@ -171,14 +173,32 @@ std::string error_plots(const Results& r) {
   std::vector<Series> position, heading;
   if (r.odometry_error) {
     position.push_back(
-        {"odometry", &r.odometry_error->pairs, &r.odometry_error->first.positions_m});
+        {"odometry", &r.odometry_error->pairs, &r.odometry_error->first.positions_m, r.start_utime});
     heading.push_back(
-        {"odometry", &r.odometry_error->pairs, &r.odometry_error->first.headings_deg});
+        {"odometry", &r.odometry_error->pairs, &r.odometry_error->first.headings_deg, r.start_utime});
   }
-  position.push_back({"ours", &r.error->pairs, &r.error->first.positions_m});
-  heading.push_back({"ours", &r.error->pairs, &r.error->first.headings_deg});
+  position.push_back({"ours", &r.error->pairs, &r.error->first.positions_m, r.start_utime});
+  heading.push_back({"ours", &r.error->pairs, &r.error->first.headings_deg, r.start_utime});
   std::string keys = "<div class=\"legend\"><span><i class=\"swatch path\"></i>ModSLAM</span>";
   if (r.odometry_error) keys += "<span><i class=\"swatch odometry\"></i>odometry alone</span>";
+  return keys + "</div>\n" +
+         error_plot("position error, aligned at the first pose", "m", time, position) +
+         error_plot("heading error", "°", time, heading);
+}
+
+std::string compared_error_plots(const std::vector<NamedResults>& runs) {
+  constexpr int kColours = 6;
+  TimeAxis time{0, 0};
+  std::vector<Series> position, heading;
+  std::string keys = "<div class=\"legend\">";
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const Results& r = *runs[i].results;
+    const std::string style = "run" + std::to_string(i % kColours);
+    time.duration_s = std::max(time.duration_s, r.duration_s);
+    position.push_back({style, &r.error->pairs, &r.error->first.positions_m, r.start_utime});
+    heading.push_back({style, &r.error->pairs, &r.error->first.headings_deg, r.start_utime});
+    keys += "<span><i class=\"swatch " + style + "\"></i>" + escape(runs[i].name) + "</span>";
+  }
   return keys + "</div>\n" +
          error_plot("position error, aligned at the first pose", "m", time, position) +
          error_plot("heading error", "°", time, heading);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "procs/report/report.hpp"
 
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <stdexcept>
@@ -10,6 +11,7 @@
 #include "common/formats/atomic_file.hpp"
 #include "common/formats/map_server.hpp"
 #include "common/formats/tum_writer.hpp"
+#include "procs/report/figures.hpp"
 #include "procs/report/page.hpp"
 #include "procs/report/world_scores.hpp"
 
@@ -71,6 +73,9 @@ std::string write_report(const ReportOptions& options) {
   write("path_laser.tum", tum_text(results.path_laser));
   write("graph.g2o", results.graph_g2o);
   write("report.html", report_page(run, results, summary, world ? &*world : nullptr));
+  std::filesystem::create_directories(options.folder + "/figures");
+  for (const auto& [name, svg] : figures_of(run, results))
+    write(("figures/" + name + ".svg").c_str(), svg);
   write("summary.json", dump(summary));
   return troubles(run, results);
 }

@@ -8,6 +8,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 build=${1:-$here/../../build}
 types=$build/modslam-types.jar
+views=$build/modslam-spy-views.jar  # what a double click draws; right click: fields
 lcm=/usr/share/java/lcm.jar
 chart=/usr/share/java/jchart2d.jar
 
@@ -20,4 +21,4 @@ done
 
 LCM_DEFAULT_URL=${LCM_DEFAULT_URL:-udpm://239.255.76.67:7667?ttl=0}
 export LCM_DEFAULT_URL
-exec java -Djava.net.preferIPv4Stack=true -Xmx256m -cp "$types:$lcm:$chart" lcm.spy.Spy
+exec java -Djava.net.preferIPv4Stack=true -Xmx256m -cp "$types:$views:$lcm:$chart" lcm.spy.Spy

@@ -12,6 +12,7 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/conversions.hpp"
 #include "common/bus/log.hpp"
+#include "procs/report/compare.hpp"
 #include "tests/support/matchers.hpp"
 #include "tests/support/synthetic_run.hpp"
 
@@ -267,4 +268,26 @@ TEST_CASE("a true world is drawn under what was found") {
   std::ofstream(folder.file("world.geojson")) << test::synthetic_world_geojson();
   report::write_report({folder.path, "", folder.file("world.geojson")});
   REQUIRE(count_of(read(folder.file("report.html")), "class=\"true-wall\"") == 9);
+}
+
+TEST_CASE("runs are compared by their errors, and each figure stands on its own") {
+  const Folder one, two;
+  test::write_synthetic_run(one.file("run.lcm"), 300, 7);
+  test::write_synthetic_run(two.file("run.lcm"), 400, 8);
+  const std::string page = report::comparison_page({one.path, two.path});
+  CHECK(count_of(page, "class=\"curve run0\"") == 2);  // position and heading
+  CHECK(count_of(page, "class=\"curve run1\"") == 2);
+  CHECK(count_of(page, "data:image/svg+xml;base64,") == 2);
+  CHECK(count_of(page, "<script") == 0);
+  CHECK_THROWS_WITH(report::comparison_page({one.path, one.path + "/none"}),
+                    Catch::Contains("none"));
+
+  REQUIRE(report::write_report({one.path, "", ""}) == "");
+  for (const char* name : {"map", "error_position", "error_heading", "verdicts"}) {
+    const std::string svg = read(one.file("figures/" + std::string(name) + ".svg"));
+    INFO(name);
+    CHECK(svg.rfind("<svg xmlns=\"http://www.w3.org/2000/svg\"", 0) == 0);
+    CHECK(count_of(svg, "var(") == 0);
+    CHECK(count_of(svg, "</svg>") == 1);
+  }
 }

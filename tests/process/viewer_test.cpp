@@ -4,11 +4,14 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <condition_variable>
+#include <modslam/command_t.hpp>
 #include <modslam/graph_node_t.hpp>
+#include <modslam/pose_estimate_t.hpp>
 #include <modslam/process_status_t.hpp>
 #include <modslam/room_list_t.hpp>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/channels.hpp"
@@ -32,6 +35,9 @@ class Page {
     if (connection_) mg_close_connection(connection_);
   }
   bool connected() const { return connection_ != nullptr; }
+  void say(const std::string& words) {
+    mg_websocket_client_write(connection_, MG_WEBSOCKET_OPCODE_TEXT, words.data(), words.size());
+  }
   /// The first frame that is `wanted`; null after two seconds.
   template <class Wanted>
   json wait(Wanted wanted) {
@@ -156,6 +162,75 @@ TEST_CASE("a page of another origin is refused, the viewer's own is not") {
   CHECK_FALSE(Page(f.port(), "null").connected());
   CHECK(Page(f.port(), "http://127.0.0.1")
             .connected());  // this client names its host without the port
+}
+
+TEST_CASE("what a page wishes of the player reaches the bus, anything else ends its connection") {
+  Fixture f;
+  std::vector<std::string> verbs;
+  f.world.subscribe<command_t>(channel::kPlaybackCommand, [&](const command_t& m) {
+    CHECK(m.target == "player");
+    verbs.push_back(m.verb);
+  });
+  Page page(f.port(), nullptr);
+  REQUIRE(!page.wait_for("hello").is_null());
+  page.say("pause");
+  page.say("speed 4");
+  for (int i = 0; i < 100 && verbs.size() < 2; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    f.settle();
+  }
+  CHECK(verbs == std::vector<std::string>{"pause", "speed 4"});
+  page.say("finish");
+  const auto nobody_looks = [&] { return f.viewer->words().find("pages open: 0") != std::string::npos; };
+  for (int i = 0; i < 200 && !nobody_looks(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  f.settle();
+  CHECK(verbs.size() == 2);
+  CHECK(nobody_looks());
+}
+
+/// Body of a GET, or "" when the status is not 200.
+std::string get(int port, const std::string& path, const char* origin = nullptr) {
+  char error[200] = {};
+  mg_connection* connection =
+      mg_download("127.0.0.1", port, 0, error, sizeof error,
+                  "GET %s HTTP/1.0\r\nHost: 127.0.0.1:%d\r\n%s%s%s\r\n", path.c_str(), port,
+                  origin ? "Origin: " : "", origin ? origin : "", origin ? "\r\n" : "");
+  if (!connection) return "";
+  const bool good = mg_get_response_info(connection)->status_code == 200;
+  std::string body;
+  char buffer[4096];
+  for (int n; (n = mg_read(connection, buffer, sizeof buffer)) > 0;)
+    body.append(buffer, static_cast<std::size_t>(n));
+  mg_close_connection(connection);
+  return good ? body : "";
+}
+
+TEST_CASE("the past holds the rooms of then, and is not for pages of others") {
+  Fixture f;
+  const auto publish = [&](std::int64_t utime, double area_m2) {
+    pose_estimate_t pose{};
+    pose.utime = utime;
+    pose.node_id = -1;
+    f.world.publish(channel::kPose, pose);
+    room_list_t list{};
+    list.version = utime;
+    list.nchunks = list.nrooms = 1;
+    list.rooms.resize(1);
+    list.rooms[0].area_m2 = area_m2;
+    list.rooms[0].npoints = 3;
+    list.rooms[0].x = {0, 1, 1};
+    list.rooms[0].y = {0, 0, 1};
+    f.world.publish(channel::kRooms, list);
+    f.settle();
+  };
+  publish(1'000'000, 11);
+  publish(50'000'000, 22);
+  CHECK_THAT(get(f.port(), "/past?utime=20000000"), Catch::Contains("\"area_m2\":11.0"));
+  CHECK_THAT(get(f.port(), "/past?utime=60000000"), Catch::Contains("\"area_m2\":22.0"));
+  CHECK(get(f.port(), "/past?utime=60000000", "http://evil.example").empty());
+  CHECK(get(f.port(), "/past?utime=x").empty());
+  CHECK(get(f.port(), "/past").empty());
 }
 
 TEST_CASE("two viewers on one port: the second says which port is taken") {

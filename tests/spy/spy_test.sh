@@ -52,20 +52,41 @@ found=$(sed -n 's/.*Found \([0-9]*\) LCM types.*/\1/p' "$work/spy.log")
 [ "$found" = "$types" ] || fail "spy found '$found' message types, lcmtypes/ has $types"
 echo "ok   spy knows all $types message types"
 
+# Rows stand in the order of names, 16 pixels each.
+channels=(GRAPH GROUND_TRUTH LASER LOOP MAP_TILE NODE POSE SEMANTIC_DOORS SEMANTIC_OBJECTS SEMANTIC_ROOMS SEMANTIC_WALLS SENSOR_INFO STATUS)
+row_of() {
+  local i
+  for i in "${!channels[@]}"; do [ "${channels[i]}" != "$1" ] || echo $((31 + 16 * i)); done
+}
+
 xdotool windowmove "$window" 0 0 windowsize "$window" 1200 900 2>/dev/null
 sleep 4
-xdotool mousemove 100 63 click --repeat 2 --delay 60 1
-opened=
-for _ in $(seq 50); do
-  opened=$(xdotool search --onlyvisible --name "LASER" 2>/dev/null | head -1)
-  [ -n "$opened" ] && break
-  sleep 0.1
-done
-[ -n "$opened" ] || fail "a double click on channel LASER opened nothing"
-echo "ok   a double click opens a channel's fields"
+# $1: a window's name, $2 $3: where to move it.
+move() {
+  local id
+  for _ in $(seq 50); do
+    id=$(xdotool search --onlyvisible --name "^$1\$" 2>/dev/null | head -1)
+    [ -n "$id" ] && { xdotool windowmove "$id" "$2" "$3"; return; }
+    sleep 0.1
+  done
+  fail "no window '$1' was opened"
+}
+# $1: channel, $2: its view, $3 $4: where to move the view. Spy opens the fields at the same time.
+open_views() {
+  xdotool mousemove 100 "$(row_of "$1")" click --repeat 2 --delay 60 1
+  move "$1" 810 420
+  move "$2" "$3" "$4"
+  sleep 0.6  # a further click would count as a third one
+}
+open_views GRAPH "Pose graph" 0 610
+open_views SEMANTIC_ROOMS "Semantic map" 0 240
+open_views POSE "POSE trace" 810 0
+open_views LASER "LASER scan" 465 240
+xdotool mousemove 100 "$(row_of GROUND_TRUTH)" click --repeat 2 --delay 60 1
+move GROUND_TRUTH 700 420
+echo "ok   a double click opens a channel's fields, and a view of scan, path, graph or semantic map"
 if [ -n "$picture" ]; then
-  xdotool windowmove "$opened" 40 320
-  sleep 1
+  sleep 3
   import -window root "$picture"
 fi
 grep -iE "exception|unrecognized" "$work/spy.log" && fail "spy complained"

@@ -22,11 +22,11 @@ export class Camera {
   }
 
   fit([x0, y0, x1, y1]) {
-    const margin = 60;
+    const margin = 60, bars = 24;  // the time line is higher than the buttons
     const w = Math.max(x1 - x0, 4), h = Math.max(y1 - y0, 4);
-    const scale = Math.min((this.width - 2 * margin) / w, (this.height - 2 * margin) / h);
+    const scale = Math.min((this.width - 2 * margin) / w, (this.height - 2 * margin - bars) / h);
     this.scale = Math.min(MAX_SCALE, Math.max(MIN_SCALE, scale));
-    this.x = (x0 + x1) / 2; this.y = (y0 + y1) / 2;
+    this.x = (x0 + x1) / 2; this.y = (y0 + y1) / 2 - bars / 2 / this.scale;
   }
 }
 

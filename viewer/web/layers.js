@@ -3,6 +3,7 @@
 
 import {roomColor} from './palette.js';
 import {middle} from './geometry.js';
+import {drawTiles} from './tiles.js';
 
 export const LAYERS = [
   {name: 'raster', label: 'Grid map', key: '1', color: 'occupied', draw: drawTiles},
@@ -13,37 +14,10 @@ export const LAYERS = [
   {name: 'truth', label: 'True path', key: '6', color: 'truth', draw: drawTruth},
   {name: 'path', label: 'Path', key: '7', color: 'path', draw: drawPath},
   {name: 'graph', label: 'Pose graph', key: '8', color: 'loop', draw: drawGraph},
-  {name: 'scan', label: 'Laser scan', key: '9', color: 'scan', draw: drawScan},
+  {name: 'refused', label: 'Refused loops', key: 'r', color: 'refused', draw: drawProposals, off: true},
+  {name: 'ellipses', label: 'Uncertainty', key: 'u', color: 'accent', draw: drawEllipses},
+  {name: 'scan', label: 'Laser scan', key: '9', color: 'scan', draw: drawScan, moving: true},
 ];
-
-const images = new Map();  // 'x/y' -> {cells, palette, canvas}
-
-function tileImage(key, tile, palette) {
-  let image = images.get(key);
-  if (image?.cells === tile.cells && image.palette === palette) return image.canvas;
-  const n = tile.ncells, canvas = document.createElement('canvas');
-  canvas.width = canvas.height = n;
-  const pixels = new ImageData(n, n);
-  const from = new Uint32Array(palette.cells.buffer), to = new Uint32Array(pixels.data.buffer);
-  for (let row = 0; row < n; row++)
-    for (let col = 0; col < n; col++) to[(n - 1 - row) * n + col] = from[tile.cells[row * n + col]];
-  canvas.getContext('2d').putImageData(pixels, 0, 0);
-  images.set(key, {cells: tile.cells, palette, canvas});
-  return canvas;
-}
-
-function drawTiles({ctx, state, camera, palette}) {
-  for (const key of images.keys()) if (!state.tiles.has(key)) images.delete(key);
-  for (const [key, tile] of state.tiles) {
-    if (!tile.cells) continue;
-    const side = tile.ncells * tile.resolution;
-    const [l, b] = camera.toScreen(tile.x * side, tile.y * side).map(Math.round);
-    const [r, t] = camera.toScreen((tile.x + 1) * side, (tile.y + 1) * side).map(Math.round);
-    if (r < 0 || b < 0 || l > camera.width || t > camera.height) continue;
-    ctx.imageSmoothingEnabled = camera.scale * tile.resolution < 1;
-    ctx.drawImage(tileImage(key, tile, palette), l, t, r - l, b - t);
-  }
-}
 
 function tracePolygon(ctx, camera, outline) {
   ctx.beginPath();
@@ -53,8 +27,17 @@ function tracePolygon(ctx, camera, outline) {
 
 function isSelected(selected, kind, item) { return selected?.kind === kind && selected.id === item.id; }
 
+// Whether an outline lies beside the window. Its box is found once.
+function hidden(camera, item) {
+  item.box ??= item.outline.reduce(([x0, y0, x1, y1], v, i) => i % 2 ? [x0, Math.min(y0, v), x1, Math.max(y1, v)]
+    : [Math.min(x0, v), y0, Math.max(x1, v), y1], [Infinity, Infinity, -Infinity, -Infinity]);
+  const [l, b] = camera.toScreen(item.box[0], item.box[1]), [r, t] = camera.toScreen(item.box[2], item.box[3]);
+  return outside(camera, l, t, r, b);
+}
+
 function drawRooms({ctx, state, camera, selected}) {
   for (const room of state.rooms) {
+    if (hidden(camera, room)) continue;
     const chosen = isSelected(selected, 'rooms', room);
     tracePolygon(ctx, camera, room.outline);
     ctx.fillStyle = roomColor(room.id, chosen ? 0.5 : 0.27);
@@ -87,13 +70,14 @@ export function drawRoomLabels({ctx, state, camera, palette}) {
   ctx.textAlign = 'center';
   ctx.lineJoin = 'round';
   for (const room of state.rooms) {
+    if (hidden(camera, room) || Math.min(room.box[2] - room.box[0], room.box[3] - room.box[1]) * camera.scale < 34) continue;
     room.middle ??= middle(room.outline);
     const [x, y] = camera.toScreen(room.middle.x, room.middle.y);
     const space = 2 * room.middle.room * camera.scale;
     if (space < 34) continue;
     ctx.fillStyle = palette.ink;
     ctx.font = '600 14px system-ui, "DejaVu Sans", sans-serif';
-    text(ctx, palette, shortened(ctx, roomName(room), 1.4 * space), x, y - 2);
+    text(ctx, palette, shortened(ctx, roomName(room), Math.max(76, 1.4 * space)), x, y - 2);
     ctx.fillStyle = palette.quiet;
     ctx.font = '12px system-ui, "DejaVu Sans", sans-serif';
     text(ctx, palette, `${room.area_m2.toFixed(1)} m²`, x, y + 14);
@@ -130,12 +114,19 @@ function segment(ctx, camera, a, b) {
 
 function drawWalls({ctx, state, camera, palette, selected}) {
   ctx.lineCap = 'round';
+  ctx.strokeStyle = palette.wall;
+  ctx.lineWidth = Math.min(4, Math.max(2, camera.scale * 0.06));
+  ctx.beginPath();
   for (const wall of state.walls) {
-    const chosen = isSelected(selected, 'walls', wall);
-    ctx.strokeStyle = chosen ? palette.accent : palette.wall;
-    ctx.lineWidth = chosen ? 6 : Math.min(4, Math.max(2, camera.scale * 0.06));
-    segment(ctx, camera, wall.a, wall.b);
+    ctx.moveTo(...camera.toScreen(...wall.a));
+    ctx.lineTo(...camera.toScreen(...wall.b));
   }
+  ctx.stroke();
+  const chosen = state.walls.find((wall) => isSelected(selected, 'walls', wall));
+  if (!chosen) return;
+  ctx.strokeStyle = palette.accent;
+  ctx.lineWidth = 6;
+  segment(ctx, camera, chosen.a, chosen.b);
 }
 
 // A door is its opening from jamb to jamb; an open one swings its leaf, a closed one is shut by it.
@@ -163,15 +154,22 @@ function drawDoors({ctx, state, camera, palette, selected}) {
   }
 }
 
+const outside = ({width, height}, x0, y0, x1, y1) => x1 < 0 || y1 < 0 || x0 > width || y0 > height;
+
+// Steps shorter than a pixel are left out: ten thousand poses cost what can be seen of them.
 function trace(ctx, camera, poses) {
   ctx.beginPath();
-  let pen = false;
+  let pen = null, left = null;
   for (const pose of poses) {
-    if (!pose) { pen = false; continue; }
+    if (!pose) { pen = left = null; continue; }
     const p = camera.toScreen(pose[0], pose[1]);
-    if (pen) ctx.lineTo(...p); else ctx.moveTo(...p);
-    pen = true;
+    if (!pen) ctx.moveTo(...p);
+    else if (Math.abs(p[0] - pen[0]) + Math.abs(p[1] - pen[1]) >= 1.2) ctx.lineTo(...p);
+    else { left = p; continue; }
+    pen = p;
+    left = null;
   }
+  if (left) ctx.lineTo(...left);
   ctx.stroke();
 }
 
@@ -187,22 +185,100 @@ function drawPath({ctx, state, camera, palette}) {
   ctx.strokeStyle = palette.path;
   ctx.lineWidth = 2;
   ctx.lineJoin = 'round';
-  const last = state.pose ? [state.pose.pose] : [];
-  trace(ctx, camera, [...state.nodes, ...last]);
+  trace(ctx, camera, state.nodes);
 }
 
-function drawGraph({ctx, state, camera, palette}) {
+// All pairs of nodes in one stroke; those that lie beside the window are left out.
+function drawPairs(ctx, state, camera, pairs) {
+  ctx.beginPath();
+  for (const [from, to] of pairs) {
+    const a = state.nodes[from], b = state.nodes[to];
+    if (!a || !b) continue;
+    const [ax, ay] = camera.toScreen(a[0], a[1]), [bx, by] = camera.toScreen(b[0], b[1]);
+    if (outside(camera, Math.min(ax, bx), Math.min(ay, by), Math.max(ax, bx), Math.max(ay, by))) continue;
+    ctx.moveTo(ax, ay);
+    ctx.lineTo(bx, by);
+  }
+  ctx.stroke();
+}
+
+function drawGraph({ctx, state, camera, palette, selected}) {
   const size = Math.min(3, Math.max(1, camera.scale * 0.03));
+  let last = [-9, -9];
   ctx.fillStyle = palette.node;
+  ctx.beginPath();
   for (const node of state.nodes) {
     if (!node) continue;
     const [x, y] = camera.toScreen(node[0], node[1]);
-    ctx.fillRect(x - size, y - size, 2 * size, 2 * size);
+    if (Math.abs(x - last[0]) + Math.abs(y - last[1]) < 2 || outside(camera, x, y, x, y)) continue;
+    ctx.rect(x - size, y - size, 2 * size, 2 * size);
+    last = [x, y];
   }
-  ctx.strokeStyle = palette.loop;
+  ctx.fill();
   ctx.lineWidth = 2;
-  for (const [from, to] of state.edges)
-    if (state.nodes[from] && state.nodes[to]) segment(ctx, camera, state.nodes[from].slice(0, 2), state.nodes[to].slice(0, 2));
+  ctx.strokeStyle = palette.retracted;
+  ctx.setLineDash([2, 4]);
+  drawPairs(ctx, state, camera, state.retracted);
+  ctx.setLineDash([]);
+  ctx.strokeStyle = palette.loop;
+  drawPairs(ctx, state, camera, state.edges);
+  drawChosen({ctx, state, camera, palette, selected});
+}
+
+function drawChosen({ctx, state, camera, palette, selected}) {
+  const node = selected?.kind === 'nodes' ? state.nodes[selected.id] : null;
+  ctx.strokeStyle = palette.accent;
+  ctx.lineWidth = 4;
+  if (selected?.kind === 'loops') drawPairs(ctx, state, camera, [String(selected.id).split('-').map(Number)]);
+  if (!node) return;
+  ctx.beginPath();
+  ctx.arc(...camera.toScreen(node[0], node[1]), 7, 0, 2 * Math.PI);
+  ctx.stroke();
+}
+
+// What the loop detector proposed and the graph has not taken: refused by its own verdict thin, by the graph dashed.
+function drawProposals({ctx, state, camera, palette}) {
+  const pairs = (refused) => openProposals(state).filter((p) => p.refused === refused).map((p) => [p.from, p.to]);
+  ctx.strokeStyle = palette.refused;
+  ctx.lineWidth = 1;
+  drawPairs(ctx, state, camera, pairs(true));
+  ctx.strokeStyle = palette.loop;
+  ctx.lineWidth = 1.5;
+  ctx.setLineDash([5, 4]);
+  drawPairs(ctx, state, camera, pairs(false));
+  ctx.setLineDash([]);
+}
+
+export function openProposals(state) {
+  if (state.openShape === state.shape) return state.open;
+  const accepted = new Set(state.edges.map(([from, to]) => `${from}-${to}`));
+  state.openShape = state.shape;
+  state.open = state.proposals.filter((p) => !accepted.has(`${p.from}-${p.to}`) && !accepted.has(`${p.to}-${p.from}`));
+  return state.open;
+}
+
+const SIGMAS_95 = Math.sqrt(5.991);  // a plane normal lies within with 95 percent
+
+// One ellipse where there is room for it.
+function drawEllipses({ctx, state, camera, palette}) {
+  let last = [-99, -99];
+  ctx.strokeStyle = palette.accent;
+  ctx.globalAlpha = 0.55;
+  ctx.lineWidth = 1;
+  ctx.beginPath();
+  state.ellipses.forEach((ellipse, i) => {
+    const node = state.nodes[i];
+    if (!node || !ellipse || !(ellipse[0] > 0)) return;
+    const [x, y] = camera.toScreen(node[0], node[1]);
+    const [long, short] = [ellipse[0], ellipse[1]].map((s) => s * SIGMAS_95 * camera.scale);
+    if (long < 1.5 || long > 1e4 || Math.hypot(x - last[0], y - last[1]) < Math.max(12, 0.7 * long)) return;
+    if (outside(camera, x - long, y - long, x + long, y + long)) return;
+    last = [x, y];
+    ctx.moveTo(x + long * Math.cos(ellipse[2]), y - long * Math.sin(ellipse[2]));
+    ctx.ellipse(x, y, long, short, -ellipse[2], 0, 2 * Math.PI);
+  });
+  ctx.stroke();
+  ctx.globalAlpha = 1;
 }
 
 function drawScan({ctx, state, camera, palette}) {
@@ -213,6 +289,29 @@ function drawScan({ctx, state, camera, palette}) {
     const [x, y] = camera.toScreen(points[i], points[i + 1]);
     ctx.fillRect(x - size / 2, y - size / 2, size, size);
   }
+}
+
+// The way from the newest node to the robot, which moves with it.
+export function drawLastStep({ctx, state, camera, palette}) {
+  const node = state.nodes.at(-1);
+  if (!node || !state.pose) return;
+  ctx.strokeStyle = palette.path;
+  ctx.lineWidth = 2;
+  segment(ctx, camera, node.slice(0, 2), state.pose.pose.slice(0, 2));
+}
+
+export function drawMeasure({ctx, camera, palette, measure}) {
+  if (!measure?.a) return;
+  const {a, b} = measure;
+  ctx.strokeStyle = ctx.fillStyle = palette.ink;
+  ctx.lineWidth = 1.5;
+  for (const p of [a, b]) if (p) { ctx.beginPath(); ctx.arc(...camera.toScreen(...p), 3.5, 0, 2 * Math.PI); ctx.fill(); }
+  if (!b) return;
+  segment(ctx, camera, a, b);
+  const [x, y] = camera.toScreen((a[0] + b[0]) / 2, (a[1] + b[1]) / 2);
+  ctx.textAlign = 'center';
+  ctx.font = '600 14px system-ui, "DejaVu Sans", sans-serif';
+  text(ctx, palette, `${Math.hypot(b[0] - a[0], b[1] - a[1]).toFixed(2)} m`, x, y - 8);
 }
 
 // Always painted: the robot, and the ellipse that holds it with 95 percent.

@@ -1,21 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Colours: named ones stand in style.css, light and dark; rooms get theirs from their id.
 
-const NAMES = ['unknown', 'free', 'occupied', 'grid', 'ink', 'quiet', 'accent', 'path', 'node', 'loop', 'truth', 'scan',
+const NAMES = ['retracted', 'refused', 'unknown', 'free', 'occupied', 'grid', 'ink', 'quiet', 'accent', 'path', 'node', 'loop', 'truth', 'scan',
   'robot', 'wall', 'door-open', 'door-closed', 'door-unknown', 'object', 'halo'];
 const ROOM_HUES = [172, 42, 262, 96, 12, 212, 318, 66, 240, 140, 28, 290];
 
 export const darkQuery = window.matchMedia('(prefers-color-scheme: dark)');
+const isDark = () => document.documentElement.dataset.theme === 'dark';
+
+// 'light', 'dark', or null for what the system likes.
+export function setTheme(theme) {
+  document.documentElement.dataset.theme = theme ?? (darkQuery.matches ? 'dark' : 'light');
+}
 
 export function readPalette() {
   const css = getComputedStyle(document.documentElement);
   const colors = Object.fromEntries(NAMES.map((n) => [n, css.getPropertyValue(`--${n}`).trim()]));
-  return {...colors, dark: darkQuery.matches, cells: cellColors(colors)};
+  return {...colors, dark: isDark(), cells: cellColors(colors)};
 }
 
 export function roomColor(id, alpha = 1) {
   const hue = ROOM_HUES[Math.abs(Number(id)) % ROOM_HUES.length];
-  const [s, l] = darkQuery.matches ? [42, 55] : [52, 58];
+  const [s, l] = isDark() ? [42, 55] : [52, 58];
   return `hsl(${hue} ${s}% ${l}% / ${alpha})`;
 }
 

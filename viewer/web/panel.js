@@ -52,15 +52,16 @@ export function makeLayerSwitches(visible, changed) {
 
 export function updatePanel(page, now) {
   const {state} = page;
-  say($('link'), page.connected ? `live · ${state.version}` : 'no connection');
+  say($('link'), page.connected ? `live · ${page.live.version}` : 'no connection');
   $('link').classList.toggle('off', !page.connected);
   $('banner').hidden = page.connected;
   say($('banner'), page.everConnected ? 'The viewer is gone. Waiting for it …' : 'Connecting to the viewer …');
   updateSelection(page);
   updateRooms(page);
   updateProcesses(page, now);
-  updateRun(state);
-  updateChannels(state);
+  updateRun({...state, clock: page.live.clock});
+  updateChannels(page.live);
+  updateEvents(page);
 }
 
 function fields(list, rows) {
@@ -96,7 +97,7 @@ function updateRooms(page) {
   });
 }
 
-function updateProcesses({state, connected}, now) {
+function updateProcesses({live: state, connected}, now) {
   const list = [...state.processes.values()].sort((a, b) => a.name.localeCompare(b.name));
   $('processes-none').hidden = list.length > 0;
   $('processes').classList.toggle('stale', !connected);
@@ -125,10 +126,29 @@ function updateRun({clock, pose, nodes, edges}) {
     ['pose', pose ? `${pose.pose[0].toFixed(2)}, ${pose.pose[1].toFixed(2)} m, ${(pose.pose[2] * 180 / Math.PI).toFixed(0)}°` : '–'],
     ['uncertainty', pose ? `${(sigma * 100).toFixed(1)} cm` : '–'],
     ['nodes', clock ? `${nodes.length}${clock.complete ? '' : ' (catching up)'}` : '–'],
+    ['error', pose?.error_m === undefined ? '–' : `${(pose.error_m * 100).toFixed(1)} cm`],
     ['loops in the graph', edges.length],
     ['loops proposed', clock ? clock.loops_proposed : '–'],
     ['loops refused', clock ? clock.loops_refused : '–'],
   ]);
+}
+
+const EVENTS_SHOWN = 60;
+
+function updateEvents({live, seek, shownUtime}) {
+  const begin = live.clock?.past[0] ?? 0, now = shownUtime();
+  const shown = live.events.filter(([utime]) => utime <= now).slice(-EVENTS_SHOWN).reverse();
+  $('events-none').hidden = shown.length > 0;
+  keep($('events'), shown, (e) => e.join('|'), ([utime, kind]) => {
+    const button = element('button', '', element('span', 'at'), element('span', kind));
+    button.title = 'Show the run at this time';
+    button.addEventListener('click', () => seek(utime));
+    return element('li', '', button);
+  }, (row, [utime, , words]) => {
+    const [at, said] = row.firstChild.children;
+    say(at, `${((utime - begin) / 1e6).toFixed(1)} s`);
+    say(said, words);
+  });
 }
 
 function updateChannels(state) {

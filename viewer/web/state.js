@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the page knows of the run: one field a stream. README.md has the format of the messages.
 
-const TILE_HEADER = 24;
+const TILE_HEADER = 24, MAX_UNPACKED = 4000;
+const MOVING = new Set(['pose', 'scan', 'status', 'clock', 'series', 'events', 'playback']);
+let shapes = 0;  // counts what changes the picture behind the robot, over all states
 
 export function emptyState() {
   return {
-    version: '', pose: null, scan: null, edges: [], clock: null, clockAt: 0, clocks: [],
+    shape: ++shapes,
+    version: '', pose: null, scan: null, edges: [], retracted: [], proposals: [], clock: null, clockAt: 0, clocks: [],
     nodes: [], truth: [],           // [x, y, heading]
+    ellipses: [],                   // of the nodes: half axes and heading at one sigma
+    events: [], series: null, playback: null,
     walls: [], rooms: [], doors: [], objects: [],
     tiles: new Map(),               // 'x/y' -> {x, y, ncells, resolution, version, cells}
     processes: new Map(),           // name -> status
@@ -17,11 +22,15 @@ export function emptyState() {
 // Takes one JSON message in. `now` is this page's own clock [ms].
 export function take(state, message, now) {
   state.changes += 1;
+  if (!MOVING.has(message.stream)) state.shape = ++shapes;
   switch (message.stream) {
     case 'hello': Object.assign(state, emptyState(), {version: message.version}); break;
     case 'pose': state.pose = message; break;
     case 'scan': state.scan = message; break;
-    case 'edges': state.edges = message.loops; break;
+    case 'edges': state.edges = message.loops; state.retracted = message.retracted; break;
+    case 'proposals': case 'events': state[message.stream] = message.items; break;
+    case 'series': case 'playback': state[message.stream] = message; break;
+    case 'ellipses': takePoses(state.ellipses, message); break;
     case 'nodes': takePoses(state.nodes, message); break;
     case 'truth': takePoses(state.truth, message); break;
     case 'walls': case 'rooms': case 'doors': case 'objects': state[message.stream] = message.items; break;
@@ -39,9 +48,21 @@ function takePoses(list, {first, poses}) {
   for (let i = 0; i * 3 < poses.length; i++) list[first + i] = [poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]];
 }
 
+const unpacked = new Map();  // 'x/y/version/bytes' -> cells: the past asks for the same tiles again and again
+
+async function unpack(key, packed) {
+  const known = unpacked.get(key);
+  if (known) return known;
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
+  const cells = new Uint8Array(await new Response(stream).arrayBuffer());
+  if (unpacked.size >= MAX_UNPACKED) unpacked.clear();
+  unpacked.set(key, cells);
+  return cells;
+}
+
 // Takes one binary message in: a tile. Unpacking takes a while, so a newer one may come first.
-export async function takeTile(state, buffer) {
-  const view = new DataView(buffer);
+export async function takeTile(state, buffer, at = 0, size = buffer.byteLength) {
+  const view = new DataView(buffer, at, size);
   const tile = {
     x: view.getInt32(0, true), y: view.getInt32(4, true), ncells: view.getInt32(8, true),
     version: view.getInt32(12, true), resolution: view.getFloat64(16, true), cells: null,
@@ -49,13 +70,28 @@ export async function takeTile(state, buffer) {
   const key = `${tile.x}/${tile.y}`;
   const tiles = state.tiles;  // a hello replaces the map; then this tile belongs to the old one
   tiles.set(key, Object.assign(tile, {cells: tiles.get(key)?.cells ?? null, pending: true}));
-  const packed = new Blob([new Uint8Array(buffer, TILE_HEADER)]);
-  const unpacked = packed.stream().pipeThrough(new DecompressionStream('deflate'));
-  const cells = new Uint8Array(await new Response(unpacked).arrayBuffer());
+  const packed = new Uint8Array(buffer, at + TILE_HEADER, size - TILE_HEADER);
+  const sum = packed.subarray(-4).join('.');  // zlib's own checksum tells versions of two sessions apart
+  const cells = await unpack(`${key}/${tile.version}/${size}/${sum}`, packed);
   if (tiles.get(key) !== tile) return;
   tile.cells = cells;
   tile.pending = false;
   state.changes += 1;
+  state.shape = ++shapes;
+}
+
+// The state that an answer of /past describes: frames, each behind a byte (1: binary) and its length.
+export async function readPast(buffer) {
+  const state = emptyState(), view = new DataView(buffer), words = new TextDecoder(), tiles = [];
+  for (let at = 0; at < buffer.byteLength;) {
+    const binary = view.getUint8(at) === 1, size = view.getUint32(at + 1, true);
+    at += 5;
+    if (binary) tiles.push(takeTile(state, buffer, at, size));
+    else take(state, JSON.parse(words.decode(new Uint8Array(buffer, at, size))), 0);
+    at += size;
+  }
+  await Promise.all(tiles);
+  return state;
 }
 
 // How long a process has been silent [ms], by the viewer's clock as this page last heard it.
@@ -84,6 +120,11 @@ export function rates(state) {
 
 // [x0, y0, x1, y1] of all that is known, or null.
 export function bounds(state) {
+  if (state.boxShape !== state.shape) { state.boxShape = state.shape; state.box = measure(state); }
+  return state.box;
+}
+
+function measure(state) {
   const box = [Infinity, Infinity, -Infinity, -Infinity];
   const add = (x, y) => {
     box[0] = Math.min(box[0], x); box[1] = Math.min(box[1], y);

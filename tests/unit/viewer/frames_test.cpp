@@ -175,8 +175,8 @@ TEST_CASE("the true path begins where the estimate does and keeps its own shape"
   truth.add_estimate(51'000, Pose2(0.5, 0, 0));
   truth.add_estimate(100'000, Pose2(5, 5, 5));  // the estimate erred: the truth stays
   REQUIRE(truth.trail().size() == 15);
-  CHECK(truth.trail().back().x == Approx(1.9));
-  CHECK(truth.trail().back().y == Approx(0).margin(1e-9));
+  CHECK(truth.trail().back()[0] == Approx(1.9));
+  CHECK(truth.trail().back()[1] == Approx(0).margin(1e-9));
 }
 
 TEST_CASE("only the viewer's own page on this machine may listen") {
