@@ -176,6 +176,8 @@ $('deselect').onclick = () => page.select(null);
 moveByHand(canvas, camera, {click, hover, changed: () => { dirty = true; }});
 darkQuery.addEventListener('change', () => { if (!theme) restyle(); });
 new ResizeObserver(() => { dirty = true; }).observe(canvas);
+// The time line takes two rows on a narrow page.
+new ResizeObserver(([entry]) => document.documentElement.style.setProperty('--timeline-height', `${entry.borderBoxSize[0].blockSize}px`)).observe($('timeline'));
 
 camera.mode = layout.mode;
 if (layout.camera) [camera.x, camera.y, camera.scale] = layout.camera;
