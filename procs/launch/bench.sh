@@ -52,6 +52,15 @@ bench_slam() {
   return "$code"
 }
 
+# MRPT's rbpf-slam and icp-slam on the log of a run; its report then shows them beside ours.
+bench_peers() {
+  local folder
+  folder=$(here "${1:?bench peers: which folder of a run?}")
+  build_bench to_rawlog
+  python3 tests/bench/peers.py "$BIN" "$folder"
+  make_results "$folder"
+}
+
 # The page and the viewer with ten thousand nodes and a thousand rooms.
 bench_viewer() {
   command -v chromedriver >/dev/null || die "bench viewer: apt install chromium chromium-driver"

@@ -200,7 +200,7 @@ play_log() {
 drive_log() {
   "$BIN/modslam-player" --config "$CONFIG" "${OVERRIDES[@]}" --set "player.log=$1" --set "player.speed=$SPEED" >"$OUT/log/player.log" 2>&1 &
   PLAYER_PID=$!
-  until wait_for "$BIN/modslam-conduct" --timeout 2 ended player; do
+  until wait_for "$BIN/modslam-conduct" --timeout 2 ended player 2>>"$OUT/log/conduct.log"; do
     kill -0 "$PLAYER_PID" 2>/dev/null || die "the player ended; see $OUT/log/player.log"
   done
   stop_player

@@ -114,7 +114,7 @@ std::string error_table(const Results& r) {
   if (!r.error) return "<p class=\"note\">The log holds no ground truth.</p>\n";
   Table table({"path", "laid over the truth by", "#mean", "#rms", "#max", "#heading mean",
                "#heading rms", "#heading max"});
-  const auto add = [&](const char* name, const char* how, const AbsoluteError& e) {
+  const auto add = [&](const std::string& name, const char* how, const AbsoluteError& e) {
     const Statistics &p = e.position_m, &h = e.heading_deg;
     const auto metres = [](double v) { return fixed(v, 3) + " m"; };
     const auto degrees = [](double v) { return fixed(v, 2) + "°"; };
@@ -126,6 +126,10 @@ std::string error_table(const Results& r) {
   if (r.odometry_error) {
     add("odometry alone", "its first pose", r.odometry_error->first);
     add("odometry alone", "least squares", r.odometry_error->best);
+  }
+  for (const auto& [name, error] : r.peer_errors) {
+    add(escape(name), "its first pose", error.first);
+    add(escape(name), "least squares", error.best);
   }
   return table.html();
 }

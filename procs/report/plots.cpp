@@ -177,11 +177,20 @@ std::string error_plots(const Results& r) {
     heading.push_back(
         {"odometry", &r.odometry_error->pairs, &r.odometry_error->first.headings_deg, r.start_utime});
   }
+  // Colours of their own, beside those of the comparison of runs.
+  std::string peers;
+  for (std::size_t i = 0; i < r.peer_errors.size(); ++i) {
+    const auto& [name, error] = r.peer_errors[i];
+    const std::string style = "run" + std::to_string(1 + i % 5);
+    position.push_back({style, &error.pairs, &error.first.positions_m, r.start_utime});
+    heading.push_back({style, &error.pairs, &error.first.headings_deg, r.start_utime});
+    peers += "<span><i class=\"swatch " + style + "\"></i>" + escape(name) + "</span>";
+  }
   position.push_back({"ours", &r.error->pairs, &r.error->first.positions_m, r.start_utime});
   heading.push_back({"ours", &r.error->pairs, &r.error->first.headings_deg, r.start_utime});
   std::string keys = "<div class=\"legend\"><span><i class=\"swatch path\"></i>ModSLAM</span>";
   if (r.odometry_error) keys += "<span><i class=\"swatch odometry\"></i>odometry alone</span>";
-  return keys + "</div>\n" +
+  return keys + peers + "</div>\n" +
          error_plot("position error, aligned at the first pose", "m", time, position) +
          error_plot("heading error", "°", time, heading);
 }

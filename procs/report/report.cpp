@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "procs/report/report.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/log.hpp"
+#include "common/evaluation/path.hpp"
 #include "common/formats/atomic_file.hpp"
 #include "common/formats/map_server.hpp"
 #include "common/formats/tum_writer.hpp"
@@ -37,6 +40,25 @@ std::string log_of(const ReportOptions& options) {
   return options.log.empty() ? options.folder + "/run.lcm" : options.log;
 }
 
+/// Paths that other systems made of the same log (DIR/peers/NAME.tum), for the error plots.
+std::map<std::string, std::vector<PathPose>> read_peers(const std::string& folder) {
+  std::map<std::string, std::vector<PathPose>> peers;
+  if (!std::filesystem::is_directory(folder)) return peers;
+  for (const auto& file : std::filesystem::directory_iterator(folder)) {
+    if (file.path().extension() != ".tum") continue;
+    std::ifstream in(file.path());
+    std::stringstream text;
+    text << in.rdbuf();
+    try {
+      for (const StampedPose& p : parse_tum(text.str()))
+        peers[file.path().stem().string()].push_back({std::llround(1e6 * p.stamp_s), p.pose});
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(file.path().string() + ": " + error.what());
+    }
+  }
+  return peers;
+}
+
 }  // namespace
 
 std::string world_of(const ReportOptions& options) {
@@ -55,7 +77,8 @@ std::string write_report(const ReportOptions& options) {
   std::optional<WorldOutline> world;
   if (!options.world_truth.empty()) world = read_world_outline(options.world_truth);
   const std::string log = log_of(options);
-  const RunRecord run = read_run(log);
+  RunRecord run = read_run(log);
+  run.peers = read_peers(options.folder + "/peers");
   const Results results = work_out(run);
   Json summary = summarise(run, results);
   if (world) {

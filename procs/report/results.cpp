@@ -82,6 +82,8 @@ Results work_out(const RunRecord& run) {
   out.graph_g2o = g2o_text(out.nodes, run.graph.edges(), &out.edges_without_node);
   out.error = compare(out.path, run.truth);
   out.odometry_error = compare(run.odometry, run.truth);
+  for (const auto& [name, path] : run.peers)
+    if (auto error = compare(path, run.truth)) out.peer_errors.emplace_back(name, std::move(*error));
   return out;
 }
 

@@ -36,6 +36,7 @@ struct Results {
   double known_area_m2 = 0;
   std::string map_trouble;  ///< why there is no map, when tiles came but cannot be joined
   std::optional<TruthComparison> error, odometry_error;
+  std::vector<std::pair<std::string, TruthComparison>> peer_errors;  ///< of other systems on the same log, by name
 };
 
 Results work_out(const RunRecord& run);

@@ -37,6 +37,7 @@ struct RunRecord {
   std::map<std::string, ChannelTally> channels;
   std::vector<std::int64_t> laser_utimes;  ///< in file order
   std::vector<PathPose> odometry, truth;
+  std::map<std::string, std::vector<PathPose>> peers;  ///< paths of other systems on the same log, by name
   std::vector<TrackedPose> poses;
   std::vector<Judged> pose_verdicts, match_verdicts;
   std::vector<LoopProposal> proposals;

@@ -7,14 +7,13 @@ the same LCM log with the shipped parameters; only mount and no-return value dif
 """
 import argparse
 import json
-import math
-import os
 import pathlib
 import re
 import statistics
-import subprocess
 import sys
 import tempfile
+
+import peers
 
 LOGS = {"intel": ["--laser-x", "0.09"], "fr079": ["--laser-x", "0.08"]}  # where the laser sits on the recorded pose
 SYSTEMS = {
@@ -27,17 +26,6 @@ SYSTEMS = {
 ROUTES = [("demo", "raised"), ("demo", "official"), ("B_rooms_tight", "raised"), ("B_rooms_tight", "official")]
 
 
-def run(command, **options):
-    """@return seconds of CPU and peak memory in MB of a command that must end well."""
-    process = subprocess.Popen([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, **options)
-    words = process.stderr.read()
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode != 0:
-        raise RuntimeError(f"{' '.join(map(str, command))}: exit {process.returncode}: {words.decode(errors='replace').strip()[-400:]}")
-    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
-
-
 class Bench:
     def __init__(self, build, data, work):
         self.bin, self.data, self.work = pathlib.Path(build) / "bin", pathlib.Path(data), pathlib.Path(work)
@@ -46,44 +34,26 @@ class Bench:
         """One run of the whole chain; figures of its timing and its report."""
         out = self.work / name
         words = [word for setting in ["launch.semantics=false", *settings] for word in ("--set", setting)]
-        run([self.bin / "modslam-offline", log, "--out", out, *words])
-        run([self.bin / "modslam-report", out])
+        peers.run([self.bin / "modslam-offline", log, "--out", out, *words])
+        peers.run([self.bin / "modslam-report", out])
         timing = json.loads(re.search(r"\((.*)\);", (out / "timing.js").read_text(), re.S).group(1))
         summary = json.loads((out / "summary.json").read_text())
         return out, timing, summary
 
     def relations(self, name, path):
         scores = self.work / "relations.json"
-        run([self.bin / "modslam-evaluate", "--relations", self.data / name / f"{name}.relations", "--times",
+        peers.run([self.bin / "modslam-evaluate", "--relations", self.data / name / f"{name}.relations", "--times",
              self.data / name / f"{name}.times.csv.xz", "--path", path, "--json", scores])
         return json.loads(scores.read_text())
 
     def icp_slam(self, name, log):
         """MRPT's icp-slam with its classic demo parameters. @return scores, CPU seconds, MB."""
-        folder = self.work / f"icp-{name}"
-        folder.mkdir()
-        run([self.bin / "to_rawlog", log, folder / "log.rawlog"])
-        ini = pathlib.Path("/usr/share/mrpt/config_files/icp-slam/icp-slam_demo_classic.ini").read_text()
-        for key, value in (("SHOW_PROGRESS_3D_REAL_TIME", 0), ("LOG_FREQUENCY", 1000000), ("SAVE_3D_SCENE", 0), ("SAVE_POSE_LOG", 0),
-                           ("logOutput_dir", folder / "out")):
-            ini = re.sub(rf"(?m)^{key}\s*=.*$", f"{key}={value}", ini)
-        (folder / "icp.ini").write_text(ini)
-        cpu_s, memory_mb = run(["icp-slam", folder / "icp.ini", folder / "log.rawlog"], cwd=folder)
-        path = folder / "path.tum"
-        path.write_text(laser_path(next(folder.glob("out/**/*estimated_path*.txt")), float(LOGS[name][1]), self.work / name / "path_laser.tum"))
+        rawlog = self.work / f"{name}.rawlog"
+        peers.run([self.bin / "to_rawlog", log, rawlog])
+        poses, cpu_s, memory_mb = peers.run_peer("icp-slam", rawlog, self.work / f"icp-{name}")
+        path = self.work / f"icp-{name}.tum"
+        path.write_text(peers.tum(poses, self.work / name / "path_laser.tum", float(LOGS[name][1])))
         return self.relations(name, path), cpu_s, memory_mb
-
-
-def laser_path(estimated, laser_x_m, stamps_of):
-    """MRPT's path (time x y heading of the robot) as TUM of the laser, with the stamps of our own run: one line a scan."""
-    lines = []
-    stamps = [line.split()[0] for line in stamps_of.read_text().splitlines()]
-    poses = [list(map(float, line.split())) for line in estimated.read_text().splitlines() if line.strip() and line[0] not in "%#"]
-    for stamp, pose in zip(stamps, poses):
-        x, y, heading = pose[-3:] if len(pose) < 7 else (pose[1], pose[2], pose[4])
-        lines.append(f"{stamp} {x + laser_x_m * math.cos(heading):.6f} {y + laser_x_m * math.sin(heading):.6f} 0 0 0 "
-                     f"{math.sin(heading / 2):.9f} {math.cos(heading / 2):.9f}")
-    return "\n".join(lines) + "\n"
 
 
 def verdict_words(summary):
@@ -104,7 +74,7 @@ def public_logs(bench, report, table):
             print(f"skipped {name}: there is no {source}")
             continue
         log = bench.work / f"{name}.lcm"
-        run([bench.bin / "modslam-import", source, log, *mount])
+        peers.run([bench.bin / "modslam-import", source, log, *mount])
         table += [f"\n### {name}\n", "| system | translation [m] mean ± std, max | rotation [deg] | exact stamps [m] | [deg] | CPU [s] | times real time | "
                   "ms per scan p50 / p99 | peak [MB] | loops proposed / accepted / retracted | verdicts |", "|---" * 11 + "|"]
         sensor_s = 0
@@ -137,7 +107,7 @@ def simulated(bench, seeds, report, table):
         runs = []
         for seed in range(1, seeds + 1):
             log = bench.work / "sim.lcm"
-            run([bench.bin / "modslam-simulate", log, "--set", f"simulator.route={route}", "--set", f"odometry.noise={noise}", "--set", f"simulator.seed={seed}"])
+            peers.run([bench.bin / "modslam-simulate", log, "--set", f"simulator.route={route}", "--set", f"odometry.noise={noise}", "--set", f"simulator.seed={seed}"])
             _, timing, summary = bench.offline(log, "sim", [])
             runs.append({"seed": seed, "error": summary["error"], "odometry_error": summary["odometry_error"], "timing": timing,
                          "loops": summary["loops"], "verdicts": summary["verdicts"]})

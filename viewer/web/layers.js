@@ -78,7 +78,7 @@ export function drawRoomLabels({ctx, state, camera, palette}) {
     ctx.fillStyle = palette.ink;
     ctx.font = '600 14px system-ui, "DejaVu Sans", sans-serif';
     const width = (room.box[2] - room.box[0]) * camera.scale;  // a name may leave a crooked room's own outline, not its box
-    text(ctx, palette, shortened(ctx, roomName(room), Math.max(76, 1.4 * space, Math.min(120, 0.9 * width))), x, y - 2);
+    text(ctx, palette, shortened(ctx, roomName(room), Math.max(96, 1.4 * space, Math.min(140, 0.9 * width))), x, y - 2);
     ctx.fillStyle = palette.quiet;
     ctx.font = '12px system-ui, "DejaVu Sans", sans-serif';
     text(ctx, palette, `${room.area_m2.toFixed(1)} m²`, x, y + 14);
