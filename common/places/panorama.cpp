@@ -7,8 +7,8 @@
 namespace modslam {
 namespace {
 
-constexpr std::size_t kPast = 12;      // scans before
-constexpr double kPastWay_m = 4.0;     // and no farther back: what was seen there was seen from somewhere else
+constexpr std::size_t kPast = 30;      // scans before
+constexpr double kPastWay_m = 8.0;     // and no farther back: what was seen there was seen from somewhere else
 constexpr double kBin_rad = 2 * kPi / kPanoramaBins;
 constexpr float kUnknown = -1;
 
@@ -44,7 +44,7 @@ OwnView look(const Scan& scan, const SensorInfo& sensor) {
       continue;
     }
     view.range_m[k] = std::min(range_m, static_cast<float>(kPanoramaReach_m));
-    if (range_m < kPanoramaReach_m)
+    if (range_m < kPanoramaReach_m && k % 2 == 0)  // of the past every other degree is enough
       view.points.push_back(sensor.T_base_laser.translation() + static_cast<double>(range_m) * Eigen::Vector2d(std::cos(bearing), std::sin(bearing)));
   }
   return view;

@@ -29,10 +29,11 @@ void count(const std::vector<PlaceConfidence>& said, const PlacePath& path, Conf
 }
 
 BuildingScore pooled(const std::vector<BuildingScore>& scores) {
-  BuildingScore all{"**all**", {}, {}};
+  BuildingScore all{"**all**", {}, {}, {}};
   for (const BuildingScore& s : scores) {
     all.alone.add(s.alone);
     all.smoothed.add(s.smoothed);
+    for (const auto& [laser, confusion] : s.of_laser) all.of_laser[laser].add(confusion);
   }
   return all;
 }
@@ -64,13 +65,14 @@ void Confusion::add(const Confusion& other) {
 }
 
 BuildingScore score(const PlaceModel& model, const Building& building) {
-  BuildingScore out{building.name, {}, {}};
-  for (const PlacePath& path : building.paths) {
+  BuildingScore out{building.name, {}, {}, {}};
+  for (const auto& [laser, path] : building.drives) {
     std::vector<PlaceConfidence> seen;
     for (const PlaceSample& sample : path) seen.push_back(model.confidence(sample.features));
     count(seen, path, out.alone);
-    count(smooth_places(seen, model.transitions()), path, out.smoothed);
+    count(smooth_places(seen, model.transitions()), path, out.of_laser[laser]);
   }
+  for (const auto& [laser, confusion] : out.of_laser) out.smoothed.add(confusion);
   return out;
 }
 
@@ -78,7 +80,7 @@ PlaceModel learn(const std::vector<Building>& buildings, const std::vector<Place
   std::vector<PlacePath> paths = made_up;
   for (const Building& building : buildings) {
     if (&building == left_out) continue;
-    paths.insert(paths.end(), building.paths.begin(), building.paths.end());
+    for (const LabelledDrive& drive : building.drives) paths.push_back(drive.path);
     paths.insert(paths.end(), building.scaled.begin(), building.scaled.end());
   }
   return PlaceModel::train(paths);
@@ -101,6 +103,8 @@ std::string scores_markdown(const std::vector<BuildingScore>& scores) {
     out << "| " << s.name << " | " << s.alone.total() << " | " << percent(s.alone.accuracy()) << " | " << percent(s.smoothed.accuracy()) << " | "
         << percent(s.smoothed.recall(PlaceKind::kRoom)) << " | " << percent(s.smoothed.recall(PlaceKind::kCorridor)) << " | "
         << percent(s.smoothed.recall(PlaceKind::kDoorway)) << " | " << percent(s.smoothed.precision(PlaceKind::kDoorway)) << " |\n";
+  out << "\n| laser | accuracy, smoothed |\n|---|---|\n";
+  for (const auto& [laser, confusion] : all.of_laser) out << "| " << laser << " | " << percent(confusion.accuracy()) << " |\n";
   out << "\nOf all these nodes, smoothed, in per cent of each row:\n\n| is \\ said | room | corridor | doorway |\n|---|---|---|---|\n";
   for (const PlaceKind is : kKinds) {
     const auto& row = all.smoothed.counts[static_cast<std::size_t>(is)];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Learning which places look how, and how well it goes on buildings that were not learned from.
 #pragma once
+#include <map>
 #include <string>
 #include <vector>
 
@@ -8,10 +9,15 @@
 
 namespace modslam {
 
+struct LabelledDrive {
+  std::string laser;
+  PlacePath path;
+};
+
 /// All drives through one building.
 struct Building {
   std::string name;
-  std::vector<PlacePath> paths;
+  std::vector<LabelledDrive> drives;
   std::vector<PlacePath> scaled;  ///< of the building drawn larger and smaller: learned from, never scored
 };
 
@@ -27,7 +33,8 @@ struct Confusion {
 
 struct BuildingScore {
   std::string name;
-  Confusion alone, smoothed;  ///< each node by itself, and with its path
+  Confusion alone, smoothed;               ///< each node by itself, and with its path
+  std::map<std::string, Confusion> of_laser;  ///< smoothed
 };
 
 /// A model from all buildings but `left_out`, and from made-up ones.

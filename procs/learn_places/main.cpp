@@ -16,19 +16,27 @@ using namespace modslam;
 constexpr std::uint64_t kOffices = 24, kFurnitureSeed = 41;
 constexpr const char* kLasers[] = {"sick", "urg", "hokuyo-270"};
 
-/// Bare and furnished, with lasers of short and long reach and of different fields of view.
-std::vector<PlacePath> drives_through(const World& world, double scale) {
-  std::vector<PlacePath> paths;
-  const Route& tour = route_of(world, "tour");
+/// With lasers of short and long reach and of different fields of view.
+std::vector<LabelledDrive> drives_through(const World& world, double scale, std::uint64_t first_seed) {
+  std::vector<LabelledDrive> drives;
   DriveOptions options;
   options.scale = scale;
-  for (const World& variant : {world, furnished(world, tour, kFurnitureSeed)})
-    for (const char* model : kLasers) {
-      options.laser.model = model;
-      paths.push_back(drive(variant, tour, options));
-      ++options.seed;
-    }
-  return paths;
+  options.seed = first_seed;
+  for (const char* model : kLasers) {
+    options.laser.model = model;
+    drives.push_back({model, drive(world, route_of(world, "tour"), options)});
+    ++options.seed;
+  }
+  return drives;
+}
+
+/// Bare and furnished; larger and smaller only furnished.
+void drive_all_through(const World& bare, Building& building) {
+  const World full = furnished(bare, route_of(bare, "tour"), kFurnitureSeed);
+  for (LabelledDrive& drive : drives_through(bare, 1, 1)) building.drives.push_back(std::move(drive));
+  for (LabelledDrive& drive : drives_through(full, 1, 4)) building.drives.push_back(std::move(drive));
+  for (const double scale : {0.7, 1.5})
+    for (LabelledDrive& drive : drives_through(full, scale, 1)) building.scaled.push_back(std::move(drive.path));
 }
 
 /// Made-up buildings are only learned from.
@@ -52,10 +60,7 @@ std::vector<Building> drive_all(const std::vector<std::string>& worlds) {
     if (cut == std::string::npos) throw std::runtime_error("'" + word + "': expected BUILDING=WORLD.geojson");
     Building& building = buildings[word.substr(0, cut)];
     building.name = word.substr(0, cut);
-    const World world = load_world(word.substr(cut + 1));
-    for (PlacePath& path : drives_through(world, 1)) building.paths.push_back(std::move(path));
-    for (const double scale : {0.7, 1.3})
-      for (PlacePath& path : drives_through(world, scale)) building.scaled.push_back(std::move(path));
+    drive_all_through(load_world(word.substr(cut + 1)), building);
     std::cerr << word << ": driven" << std::endl;
   }
   std::vector<Building> out;

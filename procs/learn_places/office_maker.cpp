@@ -18,8 +18,8 @@ class Office {
 
   World make() {
     length_m_ = random_.uniform(14, 45);
-    half_m_ = 0.5 * random_.uniform(1.5, 4.5);
-    const double top_m = random_.uniform(2.6, 8), bottom_m = random_.uniform(2.6, 8);
+    half_m_ = 0.5 * seldom_large(1.5, 7);
+    const double top_m = seldom_large(2.6, 10), bottom_m = seldom_large(2.6, 10);
     add_row(1, top_m);
     add_row(-1, bottom_m);
     wall({0, -half_m_}, {0, half_m_});
@@ -38,6 +38,11 @@ class Office {
     Point door, inside, middle;
   };
 
+  double seldom_large(double low, double high) {
+    const double share = random_.uniform();
+    return low + (high - low) * share * share;
+  }
+
   void wall(const Point& a, const Point& b) {
     if ((b - a).norm() > 0.02) world_.walls.push_back({"w" + std::to_string(world_.walls.size()), a, b, wall_m_});
   }
@@ -54,7 +59,7 @@ class Office {
     const double near = side * half_m_, far = side * (half_m_ + depth_m);
     double x = 0, open_from = 0;
     while (x < length_m_ - 1e-9) {
-      double to = x + random_.uniform(2.4, 9);
+      double to = x + seldom_large(2.4, 13);
       if (length_m_ - to < 2.4) to = length_m_;
       const double width_m = random_.uniform(0.75, 1.3);
       const double door = random_.uniform(x + 0.3 + width_m / 2, to - 0.3 - width_m / 2);
@@ -92,7 +97,7 @@ class Office {
   }
 
   void add_corridor_across(double top_m, double bottom_m) {
-    const double width_m = random_.uniform(1.5, 4.5), up = half_m_ + top_m + random_.uniform(0, 8), down = -half_m_ - bottom_m - random_.uniform(0, 8);
+    const double width_m = seldom_large(1.5, 7), up = half_m_ + top_m + random_.uniform(0, 8), down = -half_m_ - bottom_m - random_.uniform(0, 8);
     const double right = length_m_ + width_m, middle = length_m_ + width_m / 2;
     wall({length_m_, half_m_}, {length_m_, up});
     wall({length_m_, -half_m_}, {length_m_, down});

@@ -22,7 +22,6 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 HOUSE = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
 sys.path.insert(0, HERE)
 import maps  # noqa: E402
-import train_openings  # noqa: E402
 
 RANGES = {"opening_probability": (0.3, 0.7), "room_enclosed": (0.4, 0.8), "room_explored": (0.3, 0.7), "room_min_m2": (1.0, 2.5), "wall_min_m": (0.4, 1.0),
           "line_min_m": (0.3, 0.8), "door_max_m": (1.4, 2.0), "object_max_m2": (8.0, 20.0)}
@@ -37,6 +36,7 @@ def draw(count, seed):
 
 def prepare(args):
     """Every map with its truth as a file of its own; their names."""
+    import train_openings  # slow to load: not for every job
     folder = os.path.join(args.out, "items")
     os.makedirs(folder, exist_ok=True)
     found = []
@@ -75,10 +75,11 @@ def run_jobs(args, items):
     """Those that are not in the log yet; a line of GNU parallel's tells how far it is."""
     login = os.environ.get("MODSLAM_SSH")
     command = ["parallel", "--joblog", os.path.join(args.out, "jobs.log"), "--resume", "--jobs", str(args.jobs), "--workdir", HOUSE]
-    command += ["--bar"] if sys.stderr.isatty() else ["--eta"]
+    command += ["--bar"] if sys.stderr.isatty() else []
     command += ["--sshlogin", login] if login else []
     command += [sys.executable, os.path.abspath(__file__), args.build, args.data, args.tours, "--out", args.out, "--candidates", str(args.candidates),
                 "--seed", str(args.seed), "--one", "{1}", "{2}", ":::", *map(str, range(args.candidates)), ":::", *items]
+    print(f"{args.candidates} settings on {len(items)} maps; {args.out}/jobs.log grows by a line a job", flush=True)
     with open(os.path.join(args.out, "scores.jsonl"), "a") as lines:
         failed = subprocess.run(command, stdout=lines, check=False).returncode
     if failed:
