@@ -85,7 +85,7 @@ Panorama PanoramaMaker::add(const Scan& scan, const SensorInfo& sensor, const Po
     const PointMover here(between(T_map_base, view.T_map_base));
     for (const Eigen::Vector2d& point : view.points) {
       const Eigen::Vector2d d = here * point - eye;
-      const auto bin = static_cast<std::size_t>(std::lround(std::atan2(d.y(), d.x()) / kBin_rad) + static_cast<long>(kPanoramaBins)) % kPanoramaBins;
+      const auto bin = static_cast<std::size_t>(std::lround(std::atan2(static_cast<float>(d.y()), static_cast<float>(d.x())) / kBin_rad) + static_cast<long>(kPanoramaBins)) % kPanoramaBins;
       const auto range_m = static_cast<float>(std::min(d.norm(), kPanoramaReach_m));
       if (out.range_m[bin] >= 0 || range_m < own.at_least_m[bin]) continue;
       if (seen[bin] < 0 || range_m < seen[bin]) seen[bin] = range_m;

@@ -209,6 +209,7 @@ class Features {
     right.fill(kMost_m);
     for (const Eigen::Vector2d& p : points_) {
       const double s = along.dot(p - middle), t = across.dot(p - middle);
+      if (std::abs(s) > kAhead_m.back() + kSlice_m) continue;
       for (std::size_t n = 0; n < left.size(); ++n) {
         const double at = n % 2 ? -kAhead_m[n / 2] : kAhead_m[n / 2];
         if (std::abs(s - at) > kSlice_m) continue;
