@@ -74,7 +74,7 @@ def one(args):
 def run_jobs(args, items):
     """Those that are not in the log yet; a line of GNU parallel's tells how far it is."""
     login = os.environ.get("MODSLAM_SSH")
-    command = ["parallel", "--joblog", os.path.join(args.out, "jobs.log"), "--resume", "--jobs", str(args.jobs), "--workdir", HOUSE]
+    command = ["parallel", "--joblog", os.path.join(args.out, "jobs.log"), "--resume-failed", "--jobs", str(args.jobs), "--workdir", HOUSE]
     command += ["--bar"] if sys.stderr.isatty() else []
     command += ["--sshlogin", login] if login else []
     command += [sys.executable, os.path.abspath(__file__), args.build, args.data, args.tours, "--out", args.out, "--candidates", str(args.candidates),
