@@ -126,7 +126,7 @@ def main():
     parser.add_argument("data")
     parser.add_argument("tours")
     parser.add_argument("--out", required=True)
-    parser.add_argument("--candidates", type=int, default=48)
+    parser.add_argument("--candidates", type=int, default=24)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", default="100%")
     parser.add_argument("--one", nargs=2, metavar=("NUMBER", "ITEM"), help="score one setting on one map and say it")
