@@ -12,8 +12,7 @@ namespace modslam {
 namespace {
 
 constexpr int kTrees = 100, kDepth = 3;
-constexpr std::size_t kMostSamples = 24000;  // neighbours on a path look alike: every n-th is learned from
-constexpr double kLeastTransition = 5e-4;
+constexpr std::size_t kMostSamples = 20000;  // neighbours on a path look alike: every n-th is learned from
 constexpr double kLeastKnown = 0.05;  // share of the circle: less says nothing
 constexpr std::array<PlaceKind, kPlaceKinds> kKinds = {PlaceKind::kRoom, PlaceKind::kCorridor, PlaceKind::kDoorway};
 
@@ -30,7 +29,7 @@ cv::Ptr<cv::ml::Boost> train_one(const cv::Mat1f& features, const cv::Mat1i& is_
   return boost;
 }
 
-/// As counted on the paths, and never impossible: other buildings have corridors that open into rooms without a door.
+/// As counted on the paths, each pair of kinds once more than it was seen: nothing is impossible.
 PlaceTransitions count_transitions(const std::vector<PlacePath>& paths) {
   PlaceTransitions transitions;
   for (PlaceConfidence& row : transitions) row.fill(1);
@@ -38,7 +37,7 @@ PlaceTransitions count_transitions(const std::vector<PlacePath>& paths) {
     for (std::size_t k = 1; k < path.size(); ++k) ++transitions[static_cast<std::size_t>(path[k - 1].kind)][static_cast<std::size_t>(path[k].kind)];
   for (PlaceConfidence& row : transitions) {
     const double sum = row[0] + row[1] + row[2];
-    for (double& p : row) p = std::max(p / sum, kLeastTransition);
+    for (double& p : row) p /= sum;
   }
   return transitions;
 }

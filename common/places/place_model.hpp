@@ -10,7 +10,7 @@
 
 namespace modslam {
 
-/// probability[from][to]: from one node of a path to the next; rows sum to 1, nearly.
+/// probability[from][to]: from one node of a path to the next; rows sum to 1.
 using PlaceTransitions = std::array<PlaceConfidence, kPlaceKinds>;
 
 /// What a place looked like and what it is; in the order of a path.

@@ -7,7 +7,7 @@ namespace modslam {
 namespace {
 
 /// Neighbouring panoramas show much the same: that share of what each says is news.
-constexpr double kNews = 0.4;
+constexpr double kNews = 0.5;
 constexpr double kLeast = 1e-4;  // no scan rules a kind out
 
 void normalise(PlaceConfidence& p) {

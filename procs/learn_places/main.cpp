@@ -30,13 +30,16 @@ std::vector<LabelledDrive> drives_through(const World& world, double scale, std:
   return drives;
 }
 
-/// Bare and furnished; larger and smaller only furnished.
+/// Bare and furnished, as drawn and larger and smaller.
 void drive_all_through(const World& bare, Building& building) {
   const World full = furnished(bare, route_of(bare, "tour"), kFurnitureSeed);
-  for (LabelledDrive& drive : drives_through(bare, 1, 1)) building.drives.push_back(std::move(drive));
-  for (LabelledDrive& drive : drives_through(full, 1, 4)) building.drives.push_back(std::move(drive));
-  for (const double scale : {0.7, 1.5})
-    for (LabelledDrive& drive : drives_through(full, scale, 1)) building.scaled.push_back(std::move(drive.path));
+  constexpr std::uint64_t kBareSeed = 1, kFullSeed = 4;
+  for (LabelledDrive& drive : drives_through(bare, 1, kBareSeed)) building.drives.push_back(std::move(drive));
+  for (LabelledDrive& drive : drives_through(full, 1, kFullSeed)) building.drives.push_back(std::move(drive));
+  for (const double scale : {0.7, 1.5}) {
+    for (LabelledDrive& drive : drives_through(bare, scale, kBareSeed)) building.scaled.push_back(std::move(drive.path));
+    for (LabelledDrive& drive : drives_through(full, scale, kFullSeed)) building.scaled.push_back(std::move(drive.path));
+  }
 }
 
 /// Made-up buildings are only learned from.
