@@ -32,7 +32,13 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
   ./run.sh import FILE OUT.lcm [--laser-x M --laser-y M --laser-yaw RAD]
                                               CARMEN .log/.clf (.gz, .xz) or MRPT .rawlog to an LCM log
   ./run.sh annotate MAP.yaml --out DIR        walls, rooms, doors, objects of a finished grid map: GeoJSON, SVG
-  ./run.sh train semantics [FOLDER]           learn from labelled maps which openings part rooms
+  ./run.sh train semantics|thresholds|places [FOLDER]
+                                              learn from labelled maps which openings part rooms and which thresholds fit best;
+                                              which places look like rooms, corridors, doorways
+  ./run.sh ask room X Y | route A to B | map  of the run that is going on: which room is there, which way leads from A to B (a place is
+                                              "X Y", a room's name or its id), all rooms
+  ./run.sh export DIR [--format geotiff,dxf,svg,pgm] [--out DIR]
+                                              the map of a run for other programs
   ./run.sh simulate OUT.lcm [--set T.K=V]...  a simulated log without the network
   ./run.sh evaluate ...                       scores: --relations, --truth, --semantic (evaluate --help)
   ./run.sh optimize FILE.g2o [--robust] [--method toro] [--out OUT.g2o] [--json OUT.json]
@@ -106,6 +112,7 @@ simulate() {
   exec "$BIN/modslam-simulate" "$(here "$log")" --config "$CONFIG" "${OVERRIDES[@]}"
 }
 optimize() { cd "$CALLER"; exec "$BIN/modslam-optimize" "$@"; }
+export_map() { cd "$CALLER"; exec "$BIN/modslam-export" "$@"; }
 evaluate() { cd "$CALLER"; exec "$BIN/modslam-evaluate" "$@"; }
 report() {
   local folders=() folder
@@ -120,6 +127,7 @@ spy() {
   if [[ ${1:-} == --text ]]; then shift; exec "$BIN/modslam-text-spy" "$@"; fi
   exec procs/spy/spy.sh "$BUILD"
 }
+ask() { attach; exec "$BIN/modslam-ask" "$@"; }
 view() { attach; page_url; }
 # shellcheck disable=SC2086
 status() { attach; exec "$BIN/modslam-conduct" status --supervisor-log "$OUT/log/supervisord.log" $PROCESSES; }
@@ -141,8 +149,9 @@ main() {
     build) ensure_built all ;;
     test) ensure_built all; run_tests "$@" ;;
     bench) bench "$@" ;;
-    demo | live | replay | offline | simulate | annotate | train | evaluate | optimize | report | record | spy | view | status | doctor) ensure_built programs; "$verb" "$@" ;;
+    demo | live | replay | offline | simulate | annotate | train | evaluate | optimize | report | record | ask | spy | view | status | doctor) ensure_built programs; "$verb" "$@" ;;
     import) ensure_built programs; import_log "$@" ;;
+    export) ensure_built programs; export_map "$@" ;;
     *) echo "run.sh: '$verb' is no verb" >&2; help >&2; exit 2 ;;
   esac
 }

@@ -5,6 +5,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/conversions.hpp"
+#include "common/bus/semantic_messages.hpp"
 
 namespace modslam {
 namespace {
@@ -109,6 +110,17 @@ json objects_json(const std::vector<object_list_t>& chunks) {
                        {"last_utime", o.last_utime},
                        {"outline", outline(o.x, o.y, "object")}});
   return {{"stream", "objects"}, {"items", std::move(items)}};
+}
+
+json places_json(const std::vector<place_list_t>& chunks) {
+  json items = json::array();
+  for (const place_list_t& chunk : chunks)
+    for (const Place& place : from_message(chunk)) {
+      if (static_cast<std::int64_t>(items.size()) != 2 * place.node) throw BadMessage("places leave out nodes");
+      items.push_back(static_cast<int>(place.kind));
+      items.push_back(std::lround(100 * place.confidence));
+    }
+  return {{"stream", "places"}, {"items", std::move(items)}};
 }
 
 json pose_json(const pose_estimate_t& message) {

@@ -10,6 +10,7 @@
 #include <modslam/door_list_t.hpp>
 #include <modslam/map_tile_t.hpp>
 #include <modslam/object_list_t.hpp>
+#include <modslam/place_list_t.hpp>
 #include <modslam/playback_t.hpp>
 #include <modslam/pose_estimate_t.hpp>
 #include <modslam/process_status_t.hpp>
@@ -31,6 +32,8 @@ nlohmann::json walls_json(const std::vector<wall_list_t>& chunks);
 nlohmann::json rooms_json(const std::vector<room_list_t>& chunks);
 nlohmann::json doors_json(const std::vector<door_list_t>& chunks);
 nlohmann::json objects_json(const std::vector<object_list_t>& chunks);
+/// Kinds and confidences (in per cent) of the nodes, flat: kind0 confidence0 kind1 ...
+nlohmann::json places_json(const std::vector<place_list_t>& chunks);
 
 nlohmann::json pose_json(const pose_estimate_t& message);
 /// The returns of a scan in the map frame, flat: x0 y0 x1 y1 ...

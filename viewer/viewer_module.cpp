@@ -124,6 +124,7 @@ class ViewerModule : public Module {
     listen_to_list<room_list_t>(channel::kRooms, "rooms", rooms_json);
     listen_to_list<door_list_t>(channel::kDoors, "doors", doors_json);
     listen_to_list<object_list_t>(channel::kObjects, "objects", objects_json);
+    listen_to_list<place_list_t>(channel::kPlaces, "places", places_json);
   }
 
   void listen_to_processes() {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/bus/semantic_messages.hpp"
 
+#include <algorithm>
+
+#include "common/bus/bus.hpp"
+
 namespace modslam {
 namespace {
 
@@ -121,6 +125,43 @@ object_t to_message(const Object& object, std::int64_t utime) {
   message.first_utime = message.last_utime = utime;
   put_outline(message, object.outline);
   return message;
+}
+
+std::vector<place_list_t> to_place_chunks(const std::vector<Place>& places, std::int64_t utime, std::int64_t version) {
+  constexpr std::size_t kChunk = 8000;  // 40 kB
+  std::vector<place_list_t> chunks;
+  for (std::size_t first = 0; first == 0 || first < places.size(); first += kChunk) {
+    place_list_t message{};
+    message.utime = utime;
+    message.version = version;
+    message.chunk = static_cast<std::int32_t>(chunks.size());
+    message.nchunks = static_cast<std::int32_t>(std::max<std::size_t>(1, (places.size() + kChunk - 1) / kChunk));
+    message.first_node = static_cast<std::int64_t>(first);
+    for (std::size_t k = first; k < std::min(first + kChunk, places.size()); ++k) {
+      message.kind.push_back(static_cast<std::int8_t>(places[k].kind));
+      message.confidence.push_back(static_cast<float>(places[k].confidence));
+    }
+    message.nplaces = static_cast<std::int32_t>(message.kind.size());
+    chunks.push_back(std::move(message));
+  }
+  return chunks;
+}
+
+std::vector<Place> from_message(const place_list_t& message) {
+  constexpr std::int64_t kMostNodes = 10'000'000;
+  if (message.first_node < 0 || message.first_node > kMostNodes) throw BadMessage("places of node " + std::to_string(message.first_node));
+  std::vector<Place> places;
+  for (std::size_t k = 0; k < message.kind.size() && k < message.confidence.size(); ++k) {
+    Place place;
+    place.node = message.first_node + static_cast<std::int64_t>(k);
+    if (message.kind[k] < place_list_t::ROOM || message.kind[k] > place_list_t::DOORWAY)
+      throw BadMessage("a place of kind " + std::to_string(message.kind[k]));
+    place.kind = static_cast<PlaceKind>(message.kind[k]);
+    place.confidence = message.confidence[k];
+    if (!(place.confidence >= 0 && place.confidence <= 1)) throw BadMessage("a place's confidence is not within 0 and 1");
+    places.push_back(place);
+  }
+  return places;
 }
 
 }  // namespace modslam

@@ -3,6 +3,7 @@
 #pragma once
 #include <modslam/door_list_t.hpp>
 #include <modslam/object_list_t.hpp>
+#include <modslam/place_list_t.hpp>
 #include <modslam/room_list_t.hpp>
 #include <modslam/wall_list_t.hpp>
 #include <vector>
@@ -19,6 +20,11 @@ wall_t to_message(const Wall& wall);
 door_t to_message(const Door& door);
 room_t to_message(const Room& room);
 object_t to_message(const Object& object, std::int64_t utime);
+
+/// Node ids count on from chunk to chunk. An empty list is one empty chunk.
+std::vector<place_list_t> to_place_chunks(const std::vector<Place>& places, std::int64_t utime, std::int64_t version);
+/// Places of one chunk; p is left to who knows the nodes. @throws BadMessage on an unknown kind or an impossible node or confidence.
+std::vector<Place> from_message(const place_list_t& message);
 
 /// Splits a list into chunks of at most `max_bytes`; an empty list is one empty chunk.
 /// ListMessage: e.g. wall_list_t; set_items(message, items) puts a piece in.

@@ -12,6 +12,7 @@
 #include "common/maps/map_builder.hpp"
 #include "common/matching/scan_matcher.hpp"
 #include "common/motion/odometry_model.hpp"
+#include "common/places/places_config.hpp"
 #include "common/semantics/semantics_config.hpp"
 #include "common/world/ins_noise.hpp"
 #include "common/world/laser_noise.hpp"
@@ -55,6 +56,7 @@ struct SystemConfig {
   LoopDetectorConfig loop_detector;
   MapBuilderConfig map_builder;
   SemanticsConfig semantics;
+  PlacesConfig places;
   RecorderConfig recorder;
   JournalConfig journal;
   ViewerConfig viewer;
@@ -74,6 +76,7 @@ struct SystemConfig {
     visit(loop_detector);
     visit(map_builder);
     visit(semantics);
+    visit(places);
     visit(recorder);
     visit(journal);
     visit(viewer);

@@ -73,6 +73,9 @@ std::string semantic_geojson(const SemanticLayers& layers) {
   for (const Object& o : layers.objects)
     features.push_back(
         feature({{"kind", "object"}, {"id", o.id}, {"class", o.class_name}, {"area_m2", rounded(o.area_m2)}}, polygon(o.outline)));
+  for (const Place& p : layers.places)
+    features.push_back(feature({{"kind", "place"}, {"id", p.node}, {"class", place_name(p.kind)}, {"confidence", rounded(p.confidence)}},
+                               {{"type", "Point"}, {"coordinates", point(p.p)}}));
   // A name may hold bytes that are no UTF-8: replaced, not fatal.
   return Json({{"type", "FeatureCollection"}, {"features", features}}).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

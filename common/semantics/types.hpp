@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/places/place.hpp"
+
 namespace modslam {
 
 /// One face of a straight wall, as a laser sees it; the other face of the same wall is another one.
@@ -53,6 +55,7 @@ struct SemanticLayers {
   std::vector<Door> doors;
   std::vector<Room> rooms;
   std::vector<Object> objects;
+  std::vector<Place> places;  ///< of the pose graph's nodes; none on a finished map
 };
 
 }  // namespace modslam

@@ -14,6 +14,8 @@
 #include "common/formats/atomic_file.hpp"
 #include "common/formats/map_server.hpp"
 #include "common/formats/tum_writer.hpp"
+#include "common/semantics/semantic_files.hpp"
+#include "common/topology/topology.hpp"
 #include "procs/report/figures.hpp"
 #include "procs/report/page.hpp"
 #include "procs/report/world_scores.hpp"
@@ -91,7 +93,11 @@ std::string write_report(const ReportOptions& options) {
   };
   write("map.png", map_server_png(results.map));
   write("map.yaml", map_server_yaml(results.map, "map.png"));
-  write("semantic.geojson", semantic_geojson(run.semantics));
+  const SemanticLayers layers = layers_of(run.semantics, results.nodes);
+  write("semantic.geojson", semantic_geojson(layers));
+  std::vector<Eigen::Vector2d> path;
+  for (const auto& [id, pose] : results.nodes) path.push_back(pose.translation());
+  write("topology.json", topology_json(build_topology(layers, path)));
   write("path.tum", tum_text(results.path));
   write("path_laser.tum", tum_text(results.path_laser));
   write("graph.g2o", results.graph_g2o);

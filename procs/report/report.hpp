@@ -11,7 +11,7 @@ struct ReportOptions {
   std::string world_truth;  ///< GeoJSON of the simulated world, or ""
 };
 
-/// Writes map.png, map.yaml, semantic.geojson, path.tum, path_laser.tum, graph.g2o, summary.json
+/// Writes map.png, map.yaml, semantic.geojson, topology.json, path.tum, path_laser.tum, graph.g2o, summary.json
 /// and report.html.
 /// @return "" or what is wrong with the log, in words; the results are written all the same.
 /// @throws std::runtime_error when the log cannot be read at all or a file cannot be written.

@@ -84,6 +84,7 @@ class Readers {
     on<room_list_t>(channel::kRooms, [&](const auto& m) { run.semantics.rooms.take(m); });
     on<door_list_t>(channel::kDoors, [&](const auto& m) { run.semantics.doors.take(m); });
     on<object_list_t>(channel::kObjects, [&](const auto& m) { run.semantics.objects.take(m); });
+    on<place_list_t>(channel::kPlaces, [&](const auto& m) { run.semantics.places.take(m); });
     on<process_status_t>(channel::kStatus, [&](const auto& m) { run.last_status[m.name] = m; });
     on<parameters_t>(channel::kParameters, [&](const auto& m) { run.parameters[m.name] = m.toml; });
     on<sim_info_t>(channel::kSimInfo, [&](const auto& m) { run.sim = m; });

@@ -7,6 +7,7 @@
 
 #include "common/bus/run_log.hpp"
 #include "common/evaluation/score_json.hpp"
+#include "common/semantics/semantic_files.hpp"
 
 namespace modslam::report {
 namespace {
@@ -28,7 +29,7 @@ Json score_world(const std::string& world_path, const std::string& log_path, con
   const SemanticMap world = read_world(world_path);
   if (!results.error) return nullptr;
   const SemanticMap found = transformed(results.error->first.T_world_map,
-                                        parse_semantic_map(semantic_geojson(run.semantics)));
+                                        parse_semantic_map(semantic_geojson(layers_of(run.semantics, {}))));
   return to_json(score_semantics(found, world, visible_in(world, read_run_log(log_path).scans)));
 }
 

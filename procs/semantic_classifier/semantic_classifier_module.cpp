@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// procs/semantic_classifier — NODE + GRAPH (+ POSE, SYNC_REQUEST) → SEMANTIC_WALLS, _ROOMS, _DOORS, _OBJECTS. Config: [semantics].
+/// procs/semantic_classifier — NODE + GRAPH (+ POSE, SYNC_REQUEST) → SEMANTIC_WALLS, _ROOMS, _DOORS, _OBJECTS, _PLACES; QUERY → ANSWER.
+/// Config: [semantics], [places].
+#include <iostream>
 #include <modslam/sync_request_t.hpp>
 
 #include "common/bus/channels.hpp"
@@ -7,17 +9,34 @@
 #include "common/bus/modules.hpp"
 #include "common/bus/semantic_messages.hpp"
 #include "common/bus/system_config.hpp"
+#include "common/bus/topology_messages.hpp"
+#include "common/formats/file_bytes.hpp"
+#include "common/places/place_mapper.hpp"
 #include "common/semantics/semantic_mapper.hpp"
 
 namespace modslam {
 namespace {
 
+/// @param trouble  why there is none, when one was asked for
+std::optional<PlaceModel> load_places(const std::string& path, std::string& trouble) {
+  if (path.empty()) return std::nullopt;
+  try {
+    return PlaceModel::parse(read_file_bytes(path).bytes);
+  } catch (const std::runtime_error& error) {
+    const std::string why = error.what();
+    trouble = "no places: " + (why.rfind(path, 0) == 0 ? why : path + ": " + why) + "; ./run.sh train places makes it";
+    std::cerr << "semantic_classifier: " << trouble << std::endl;
+    return std::nullopt;
+  }
+}
+
 class SemanticClassifierModule : public Module {
  public:
   SemanticClassifierModule(Bus& bus, const SystemConfig& config)
-      : bus_(bus), config_(config.semantics), mapper_(config.semantics), mirror_(bus) {
+      : bus_(bus), config_(config.semantics), mapper_(config.semantics), places_(load_places(config.places.model, trouble_)), mirror_(bus) {
     mirror_.on_node = [this](const MirrorNode& node) {
       mapper_.add_node(node.scan, node.sensor, node.T_map_base);
+      places_.add_node(node.scan, node.sensor, node.T_map_base);
       dirty_ = true;
     };
     mirror_.on_update = [this](const std::vector<NodeId>& moved) {
@@ -27,12 +46,15 @@ class SemanticClassifierModule : public Module {
     };
     mirror_.on_reset = [this] {
       mapper_.clear();
+      places_.clear();
       layers_ = {};
+      topology_.reset();
       last_ = 0;
     };
     bus.subscribe<sync_request_t>(channel::kSyncRequest, [this](const sync_request_t& m) {
       if (m.requester != bus_.name() && version_ > 0) publish();
     });
+    bus.subscribe<query_t>(channel::kQuery, [this](const query_t& m) { bus_.publish(channel::kAnswer, answer(topology(), m, bus_.utime())); });
   }
 
   void finish() override {
@@ -46,7 +68,8 @@ class SemanticClassifierModule : public Module {
   }
   std::string words() const override {
     return std::to_string(layers_.walls.size()) + " walls, " + std::to_string(layers_.rooms.size()) + " rooms, " +
-           std::to_string(layers_.doors.size()) + " doors, " + std::to_string(layers_.objects.size()) + " objects";
+           std::to_string(layers_.doors.size()) + " doors, " + std::to_string(layers_.objects.size()) + " objects" +
+           (trouble_.empty() ? "" : "; " + trouble_);
   }
 
  private:
@@ -59,8 +82,20 @@ class SemanticClassifierModule : public Module {
   void work(bool settled) {
     dirty_ = false;
     layers_ = mapper_.update(settled);
+    layers_.places = places_.places();
+    topology_.reset();
     ++version_;
     publish();
+  }
+
+  /// Worked out when somebody asks.
+  const Topology& topology() {
+    if (!topology_) {
+      std::vector<Eigen::Vector2d> path;
+      for (const MirrorNode& node : mirror_.nodes()) path.push_back(node.T_map_base.translation());
+      topology_ = build_topology(layers_, path);
+    }
+    return *topology_;
   }
 
   void publish() {
@@ -93,13 +128,17 @@ class SemanticClassifierModule : public Module {
            list.nobjects = static_cast<std::int32_t>(part.size());
          }))
       bus_.publish(channel::kObjects, m);
+    for (const auto& m : to_place_chunks(layers_.places, utime, version_)) bus_.publish(channel::kPlaces, m);
   }
 
   Bus& bus_;
   SemanticsConfig config_;
+  std::string trouble_;
   SemanticMapper mapper_;
+  PlaceMapper places_;
   GraphMirror mirror_;
   SemanticLayers layers_;
+  std::optional<Topology> topology_;
   bool dirty_ = false;
   std::int64_t last_ = 0, version_ = 0;
 };

@@ -3,7 +3,9 @@
 
 #include <bot_core/planar_lidar_t.hpp>
 #include <bot_core/pose_t.hpp>
+#include <array>
 #include <cstdio>
+#include <modslam/answer_t.hpp>
 #include <modslam/command_t.hpp>
 #include <modslam/door_list_t.hpp>
 #include <modslam/graph_node_t.hpp>
@@ -11,6 +13,8 @@
 #include <modslam/loop_closure_t.hpp>
 #include <modslam/map_tile_t.hpp>
 #include <modslam/object_list_t.hpp>
+#include <modslam/place_list_t.hpp>
+#include <modslam/query_t.hpp>
 #include <modslam/playback_t.hpp>
 #include <modslam/pose_estimate_t.hpp>
 #include <modslam/process_status_t.hpp>
@@ -160,6 +164,23 @@ Lines words(const object_list_t& m) {
   return all;
 }
 
+Lines words(const place_list_t& m) {
+  Lines all = list_head(m);
+  std::array<int, 3> counts{};
+  for (const std::int8_t kind : m.kind)
+    if (kind >= 0 && kind < 3) ++counts[static_cast<std::size_t>(kind)];
+  all.push_back(line("%-12s from %lld: %d in rooms, %d in corridors, %d in doorways", "nodes",
+                     static_cast<long long>(m.first_node), counts[0], counts[1], counts[2]));
+  return all;
+}
+Lines words(const query_t& m) {
+  return {line("%-12s %d of %s: '%s' to '%s'", "query", m.kind, m.requester.c_str(), m.from.c_str(),
+               m.to.c_str())};
+}
+Lines words(const answer_t& m) {
+  return {line("%-12s to %s: %s", "answer", m.requester.c_str(), m.words.c_str())};
+}
+
 /// Tries the one type that a fingerprint belongs to.
 template <class Message>
 bool take(const std::vector<std::uint8_t>& bytes, Lines& lines) {
@@ -194,7 +215,7 @@ std::vector<std::string> describe_message(const std::string&,
   if (!take_any<bot_core::planar_lidar_t, bot_core::pose_t, scan_match_t, pose_estimate_t,
                 graph_node_t, graph_update_t, loop_closure_t, map_tile_t, process_status_t,
                 sensor_info_t, command_t, playback_t, room_list_t, door_list_t, wall_list_t,
-                object_list_t>(bytes, lines))
+                object_list_t, place_list_t, query_t, answer_t>(bytes, lines))
     lines = {beginning(bytes)};
   make_plain(lines);
   return lines;

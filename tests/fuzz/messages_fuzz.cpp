@@ -13,6 +13,7 @@
 #include <modslam/map_tile_t.hpp>
 #include <modslam/matcher_state_t.hpp>
 #include <modslam/object_list_t.hpp>
+#include <modslam/place_list_t.hpp>
 #include <modslam/parameters_t.hpp>
 #include <modslam/pose_estimate_t.hpp>
 #include <modslam/process_status_t.hpp>
@@ -30,6 +31,7 @@
 #include "common/bus/estimator_session.hpp"
 #include "common/bus/graph_mirror.hpp"
 #include "common/bus/semantic_messages.hpp"
+#include "common/bus/topology_messages.hpp"
 
 using namespace modslam;
 
@@ -49,6 +51,8 @@ void convert(const graph_node_t& m) {
 void convert(const graph_update_t& m) {
   for (const graph_edge_t& edge : m.edges) to_edge(edge);
 }
+void convert(const place_list_t& m) { from_message(m); }
+void convert(const query_t& m) { answer(Topology(), m, 0); }
 void convert(const scan_match_t& m) { to_matrix(m.information); }
 
 template <class Message>
@@ -88,7 +92,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       type<loop_search_t>(),            type<map_tile_t>(),          type<matcher_state_t>(),   type<object_list_t>(),
       type<parameters_t>(),             type<pose_estimate_t>(),     type<process_status_t>(),  type<room_list_t>(),
       type<scan_match_t>(),             type<sensor_info_t>(),       type<sim_info_t>(),        type<sim_state_t>(),
-      type<sync_request_t>(),           type<wall_list_t>()};
+      type<sync_request_t>(),           type<wall_list_t>(),          type<place_list_t>(),      type<query_t>(),           type<answer_t>()};
   if (size == 0) return 0;
   const Type& chosen = kTypes[data[0] % (sizeof kTypes / sizeof *kTypes)];
   std::vector<std::uint8_t> bytes;  // the right fingerprint, else nothing would get past it

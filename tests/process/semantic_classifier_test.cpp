@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The semantic classifier on the in-process bus: a drive goes in, lists of walls, rooms, doors and objects come out.
+#include <modslam/answer_t.hpp>
 #include <modslam/graph_node_t.hpp>
+#include <modslam/query_t.hpp>
 #include <modslam/sync_request_t.hpp>
 
 #include "common/bus/channels.hpp"
@@ -18,8 +20,9 @@ namespace {
 
 /// A robot whose true places are known, an estimator that believes them, and the classifier.
 struct House {
-  House() {
+  explicit House(const std::string& places = MODSLAM_SOURCE_DIR "/config/places.yml") {
     SystemConfig config;
+    config.places.model = places;
     config.launch.estimator = "ground_truth";
     stage.host("yardstick", make_yardstick, config);
     classifier = &stage.host("semantic_classifier", make_semantic_classifier, config);
@@ -48,6 +51,8 @@ struct House {
   const std::vector<wall_list_t>& walls = stage.record<wall_list_t>(channel::kWalls);
   const std::vector<room_list_t>& rooms = stage.record<room_list_t>(channel::kRooms);
   const std::vector<door_list_t>& doors = stage.record<door_list_t>(channel::kDoors);
+  const std::vector<place_list_t>& places = stage.record<place_list_t>(channel::kPlaces);
+  const std::vector<answer_t>& answers = stage.record<answer_t>(channel::kAnswer);
   const std::vector<object_list_t>& objects = stage.record<object_list_t>(channel::kObjects);
   Module* classifier = nullptr;
 };
@@ -104,4 +109,64 @@ TEST_CASE("another session's graph makes semantic_classifier forget the old buil
   house.robot.publish(channel::kNode, node);
   house.stage.drain();
   REQUIRE_THAT(house.classifier->words(), Catch::Matchers::StartsWith("0 walls, 0 rooms"));
+}
+
+TEST_CASE("semantic_classifier tells of each node what kind of place it is") {
+  House house;
+  house.drive();
+  house.classifier->finish();
+  house.stage.drain();
+  const std::vector<Pose2> drive = drive_through_two_rooms();
+  const std::vector<Place> places = from_message(house.places.back());
+  REQUIRE(house.places.back().nchunks == 1);
+  REQUIRE(places.size() > 20);
+  REQUIRE(places.size() <= drive.size());
+  int rooms = 0, doorways = 0;
+  for (const Place& place : places) {
+    rooms += place.kind == PlaceKind::kRoom;
+    doorways += place.kind == PlaceKind::kDoorway;
+  }
+  REQUIRE(rooms > 0.7 * static_cast<double>(places.size()));
+  REQUIRE(doorways >= 1);
+  REQUIRE(house.places.back().version == house.rooms.back().version);
+}
+
+TEST_CASE("without its model semantic_classifier says that there are no places, and does all else") {
+  House house("/nowhere/places.yml");
+  house.drive();
+  house.classifier->finish();
+  house.stage.drain();
+  REQUIRE(house.places.back().nplaces == 0);
+  REQUIRE(house.rooms.back().nrooms == 2);
+  REQUIRE_THAT(house.classifier->words(), Catch::Matchers::Contains("no places: /nowhere/places.yml"));
+}
+
+TEST_CASE("semantic_classifier answers which room is where and which way leads there") {
+  House house;
+  const auto ask = [&](std::int8_t kind, const std::string& from, const std::string& to) {
+    query_t query{};
+    query.id = static_cast<std::int64_t>(house.answers.size()) + 1;
+    query.requester = "somebody";
+    query.kind = kind;
+    query.from = from;
+    query.to = to;
+    house.robot.publish(channel::kQuery, query);
+    house.stage.drain();
+    REQUIRE(house.answers.back().id == query.id);
+    return house.answers.back();
+  };
+  REQUIRE(ask(query_t::ROOM_AT, "0 0", "").result == answer_t::BAD_QUERY);  // nothing is known yet
+  house.drive();
+  house.classifier->finish();
+  house.stage.drain();
+  const answer_t map = ask(query_t::MAP, "", "");
+  REQUIRE(map.nrooms == 2);
+  REQUIRE(map.ndoors == 1);
+  REQUIRE(map.building[0] == map.building[1]);
+  const answer_t route = ask(query_t::ROUTE, map.name[0], std::to_string(map.room[1]));
+  REQUIRE(route.result == answer_t::FOUND);
+  REQUIRE(route.door == map.door);
+  REQUIRE(route.npoints == 3);
+  const answer_t room = ask(query_t::ROOM_AT, std::to_string(route.x[2]) + " " + std::to_string(route.y[2]), "");
+  REQUIRE(room.room == std::vector<std::int64_t>{map.room[1]});
 }

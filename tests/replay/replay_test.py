@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """A recorded log gives the same on the bus and offline, without a lost scan, and offline the same bytes every time."""
+import json
 import pathlib
 import sys
 
@@ -14,6 +15,7 @@ ROUTE = "simulator.route=C_bedroom_full"
 # On the bus a loop may close a scan earlier or later than offline, so that other proposals meet it. Measured on two cores: the same loop
 # edges and the same poses to the digit; the tolerances leave room for a machine that is busy.
 LOOP_EDGES_APART = 2
+PLACES_APART = 0.02
 POSES_APART_M, POSES_APART_RAD = 0.01, 0.005
 
 
@@ -26,6 +28,12 @@ def offline(name, *settings):
     if not folder.exists():
         succeed("offline", log(), "--out", folder, *quick(*settings))
     return folder
+
+
+def places(folder):
+    """Kind of place by node."""
+    features = json.loads((folder / "semantic.geojson").read_text())["features"]
+    return {f["properties"]["id"]: f["properties"]["class"] for f in features if f["properties"]["kind"] == "place"}
 
 
 def files(folder):
@@ -65,6 +73,10 @@ def replay():
     print(f"loop edges {loops}, poses apart at most {apart[1]:.4f} m {apart[2]:.4f} m {apart[3]:.4f} rad")
     equal(apart[0], 0, "times of the poses")
     check(max(apart[1], apart[2]) <= POSES_APART_M and apart[3] <= POSES_APART_RAD, f"poses are apart {apart[1:]}")
+    live_places, still_places = places(folder), places(offline("once"))
+    equal(len(live_places), live["graph"]["nodes"], "nodes whose kind of place is known")
+    other = [node for node, kind in live_places.items() if still_places.get(node) != kind]
+    check(len(other) <= PLACES_APART * len(live_places), f"of {len(live_places)} nodes {len(other)} are other kinds of place offline")
 
 
 @test("a run's own log can be run again: what was a result in it is made anew")

@@ -26,6 +26,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/conversions.hpp"
+#include "common/bus/semantic_messages.hpp"
 #include "tests/viewer/sample_building.hpp"
 
 namespace modslam::sample {
@@ -212,6 +213,24 @@ class Player {
     publish_rooms();
     publish_doors();
     publish_objects();
+    publish_places();
+  }
+
+  void publish_places() {
+    std::vector<Place> places;
+    for (const graph_node_t& node : nodes_) {
+      Place place;
+      place.node = node.id;
+      place.confidence = 0.9;
+      const double x = node.T_map_base[0], y = node.T_map_base[1];
+      if (y > 0 && y < 2) place.kind = PlaceKind::kCorridor;
+      for (const Door& door : kDoors)
+        if (std::hypot(x - (door.opening.ax + door.opening.bx) / 2,
+                       y - (door.opening.ay + door.opening.by) / 2) < 0.5)
+          place.kind = PlaceKind::kDoorway;
+      places.push_back(place);
+    }
+    for (const place_list_t& m : to_place_chunks(places, utime_, version_)) bus_.publish(channel::kPlaces, m);
   }
 
   void publish_tile(const TiledGrid::Key& key) {

@@ -112,6 +112,8 @@ def test_everything_arrives(run):
     run.wait("m.state.edges.length > 0", "loop edges are known", 60)
     run.wait("m.state.walls.length >= 14 && m.state.doors.length === 6 && m.state.objects.length === 2",
              "walls, doors and objects are known", 60)
+    run.wait("m.state.places.length > 100 && new Set(m.state.places.filter((_, i) => i % 2 === 0)).size === 3",
+             "rooms, corridors and doorways are told apart along the path", 60)
     run.wait("m.state.scan.points.length > 600", "a scan is shown")
     apart = run.state("""(() => { const near = (p) => Math.min(...m.state.nodes.map((q) => Math.hypot(p[0] - q[0], p[1] - q[1])));
         return Math.max(...m.state.truth.slice(0, 300).map(near)); })()""")
@@ -157,6 +159,12 @@ def test_layers(run):
     check(run.color_at(13.0, 4.0) != wall, "key 4 takes the walls away")
     run.browser.keys("124")
     check(run.color_at(1.0, 3.0) == filled and run.color_at(13.0, 4.0) == wall, "they come back")
+    x, y = run.state("m.state.nodes[2].slice(0, 2)")
+    bare = run.color_at(x, y)
+    run.browser.keys("o")
+    check(run.color_at(x, y) != bare, "key o shows what kind of place a node is")
+    run.browser.keys("o")
+    check(run.color_at(x, y) == bare, "and takes it away again")
     for name in ("path", "graph", "scan", "truth"):
         run.browser.run(f"document.getElementById('layer-{name}').click()")
 

@@ -5,6 +5,8 @@ import {roomColor} from './palette.js';
 import {middle} from './geometry.js';
 import {drawTiles} from './tiles.js';
 
+export const PLACE_KINDS = ['room', 'corridor', 'doorway'];
+
 export const LAYERS = [
   {name: 'raster', label: 'Grid map', key: '1', color: 'occupied', draw: drawTiles},
   {name: 'rooms', label: 'Rooms', key: '2', color: 'accent', draw: drawRooms},
@@ -16,6 +18,7 @@ export const LAYERS = [
   {name: 'graph', label: 'Pose graph', key: '8', color: 'loop', draw: drawGraph},
   {name: 'refused', label: 'Refused loops', key: 'r', color: 'refused', draw: drawProposals, off: true},
   {name: 'ellipses', label: 'Uncertainty', key: 'u', color: 'accent', draw: drawEllipses},
+  {name: 'places', label: 'Kinds of place', key: 'o', color: 'corridor', draw: drawPlaces, off: true},
   {name: 'scan', label: 'Laser scan', key: '9', color: 'scan', draw: drawScan, moving: true},
 ];
 
@@ -235,6 +238,23 @@ function drawChosen({ctx, state, camera, palette, selected}) {
   ctx.beginPath();
   ctx.arc(...camera.toScreen(node[0], node[1]), 7, 0, 2 * Math.PI);
   ctx.stroke();
+}
+
+// A dot a node in the colour of its kind, fainter where it is less sure.
+function drawPlaces({ctx, state, camera, palette}) {
+  const size = Math.min(9, Math.max(3, camera.scale * 0.09));
+  let last = [-9, -9];
+  state.nodes.forEach((node, i) => {
+    const kind = PLACE_KINDS[state.places[2 * i]];
+    if (!node || !kind) return;
+    const [x, y] = camera.toScreen(node[0], node[1]);
+    if (Math.abs(x - last[0]) + Math.abs(y - last[1]) < 2 || outside(camera, x, y, x, y)) return;
+    last = [x, y];
+    ctx.globalAlpha = Math.max(0.3, (state.places[2 * i + 1] - 30) / 70);
+    ctx.fillStyle = palette[kind];
+    ctx.fillRect(x - size / 2, y - size / 2, size, size);
+  });
+  ctx.globalAlpha = 1;
 }
 
 // What the loop detector proposed and the graph has not taken: refused by its own verdict thin, by the graph dashed.

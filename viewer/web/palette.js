@@ -2,7 +2,7 @@
 // Colours: named ones stand in style.css, light and dark; rooms get theirs from their id.
 
 const NAMES = ['retracted', 'refused', 'unknown', 'free', 'occupied', 'grid', 'ink', 'quiet', 'accent', 'path', 'node', 'loop', 'truth', 'scan',
-  'robot', 'wall', 'door-open', 'door-closed', 'door-unknown', 'object', 'halo'];
+  'robot', 'wall', 'door-open', 'door-closed', 'door-unknown', 'object', 'halo', 'room', 'corridor', 'doorway'];
 const ROOM_HUES = [172, 42, 262, 96, 12, 212, 318, 66, 240, 140, 28, 290];
 
 export const darkQuery = window.matchMedia('(prefers-color-scheme: dark)');

@@ -13,6 +13,7 @@ export function emptyState() {
     ellipses: [],                   // of the nodes: half axes and heading at one sigma
     events: [], series: null, playback: null,
     walls: [], rooms: [], doors: [], objects: [],
+    places: [],                     // of the nodes, flat: kind (0 room, 1 corridor, 2 doorway) and confidence in per cent
     tiles: new Map(),               // 'x/y' -> {x, y, ncells, resolution, version, cells}
     processes: new Map(),           // name -> status
     changes: 0,                     // counts everything that was taken in
@@ -33,7 +34,7 @@ export function take(state, message, now) {
     case 'ellipses': takePoses(state.ellipses, message); break;
     case 'nodes': takePoses(state.nodes, message); break;
     case 'truth': takePoses(state.truth, message); break;
-    case 'walls': case 'rooms': case 'doors': case 'objects': state[message.stream] = message.items; break;
+    case 'walls': case 'rooms': case 'doors': case 'objects': case 'places': state[message.stream] = message.items; break;
     case 'status': state.processes.set(message.name, message); break;
     case 'clock':
       state.clock = message;

@@ -2,6 +2,7 @@
 #include "common/bus/semantic_messages.hpp"
 
 #include <catch2/catch.hpp>
+#include <limits>
 
 #include "common/world/random.hpp"
 #include "tests/support/stage.hpp"
@@ -126,4 +127,35 @@ TEST_CASE("a room with more corners than a message may hold is told with fewer, 
   REQUIRE(told.npoints == static_cast<int>(told.x.size()));
   REQUIRE(told.npoints > 1000);
   for (const room_list_t& chunk : room_chunks({told, told, told})) over_the_wire(chunk);
+}
+
+TEST_CASE("20000 places come through in chunks below 60 kB, and wild ones are refused") {
+  std::vector<Place> places(20000);
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    places[k].node = static_cast<std::int64_t>(k);
+    places[k].kind = static_cast<PlaceKind>(k % 3);
+    places[k].confidence = 0.5 + 0.5 * static_cast<double>(k % 7) / 7;
+  }
+  std::vector<Place> again;
+  const auto chunks = to_place_chunks(places, 5, 3);
+  for (const place_list_t& chunk : chunks)
+    for (const Place& place : from_message(over_the_wire(chunk))) again.push_back(place);
+  REQUIRE(chunks.size() == 3);
+  REQUIRE(again.size() == places.size());
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    REQUIRE(again[k].node == places[k].node);
+    REQUIRE(again[k].kind == places[k].kind);
+    REQUIRE(again[k].confidence == Approx(places[k].confidence));
+  }
+  REQUIRE(to_place_chunks({}, 5, 3).size() == 1);
+  const auto refused = [&](auto damage) {
+    place_list_t wild = chunks[0];
+    damage(wild);
+    REQUIRE_THROWS_AS(from_message(wild), BadMessage);
+  };
+  refused([](place_list_t& m) { m.kind[3] = 3; });
+  refused([](place_list_t& m) { m.kind[3] = -1; });
+  refused([](place_list_t& m) { m.confidence[3] = std::numeric_limits<float>::quiet_NaN(); });
+  refused([](place_list_t& m) { m.confidence[3] = 1.5f; });
+  refused([](place_list_t& m) { m.first_node = -1; });
 }
