@@ -101,7 +101,7 @@ std::vector<Wall> find_walls(const SemanticEvidence& evidence, ObjectMap& object
 
 }  // namespace
 
-SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig& config) {
+SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig& config, const OpeningModel& model) {
   const KnownSpace& space = evidence.space;
   SemanticLayers layers;
   ObjectMap objects = find_objects(space, config.object_max_m2);
@@ -111,7 +111,8 @@ SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig
   PartitionOptions parting;
   parting.min_probability = config.opening_probability;
   parting.min_room_m2 = config.room_min_m2;
-  const Partition partition = part_floor(floor, space, layers.walls, find_openings(floor, space, layers.walls, config.opening_max_m), parting);
+  const std::vector<Opening> openings = find_openings(floor, space, layers.walls, config.opening_max_m, model);
+  const Partition partition = part_floor(floor, space, layers.walls, openings, parting);
   DoorMapOptions doors;
   doors.min_width_m = config.door_min_m;
   doors.max_width_m = config.door_max_m;

@@ -82,7 +82,7 @@ AnnotatedMap annotate(const MapImage& map, const SemanticsConfig& config) {
     evidence.scans.push_back(lines.segments);
     for (const DoorSighting& s : sight_doors(scan, sensor, doors)) evidence.sightings.push_back({T_map_base * s.a, T_map_base * s.b});
   }
-  out.layers = interpret(evidence, config);
+  out.layers = interpret(evidence, config, OpeningModel(config.opening_trees));
   Identities().carry_over({}, out.layers);
   return out;
 }

@@ -6,7 +6,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/geometry/pose2.hpp"
-#include "common/semantics/opening_model.hpp"
 
 namespace modslam {
 namespace {
@@ -246,7 +245,6 @@ class OpeningFinder {
     f[kMidClear] = static_cast<float>(floor_.clearance(cell(cut.centre())) / half);
     f[kLocal] = static_cast<float>(cut.length() / narrowest_near(k));
     pair(kWallLess, wall_at_m(out.a), wall_at_m(out.b));
-    out.probability = opening_probability(f);
     return out;
   }
 
@@ -260,9 +258,12 @@ class OpeningFinder {
 
 }  // namespace
 
-std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, double max_width_m) {
+std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, double max_width_m,
+                                   const OpeningModel& model) {
   if (floor.open.empty()) return {};
-  return OpeningFinder(floor, space, walls, max_width_m).run();
+  std::vector<Opening> openings = OpeningFinder(floor, space, walls, max_width_m).run();
+  for (Opening& opening : openings) opening.probability = model.probability(opening.features.data());
+  return openings;
 }
 
 }  // namespace modslam

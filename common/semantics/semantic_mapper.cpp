@@ -7,7 +7,7 @@
 
 namespace modslam {
 
-SemanticMapper::SemanticMapper(const SemanticsConfig& config) : config_(config), occupancy_(kCell_m, config.range_limit_m) {}
+SemanticMapper::SemanticMapper(const SemanticsConfig& config) : config_(config), model_(config.opening_trees), occupancy_(kCell_m, config.range_limit_m) {}
 
 void SemanticMapper::clear() { *this = SemanticMapper(config_); }
 
@@ -58,7 +58,7 @@ const SemanticLayers& SemanticMapper::update(bool settled) {
     evidence.scans.push_back(std::move(placed));
     for (const DoorSighting& door : node.doors) evidence.sightings.push_back({node.wanted * door.a, node.wanted * door.b});
   }
-  SemanticLayers layers = interpret(evidence, config_);
+  SemanticLayers layers = interpret(evidence, config_, model_);
   identities_.carry_over(layers_, layers);
   layers_ = std::move(layers);
   return layers_;

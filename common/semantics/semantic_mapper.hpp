@@ -11,6 +11,7 @@
 #include "common/semantics/evidence_grid.hpp"
 #include "common/semantics/hough.hpp"
 #include "common/semantics/identities.hpp"
+#include "common/semantics/opening_model.hpp"
 #include "common/semantics/semantics_config.hpp"
 
 namespace modslam {
@@ -39,6 +40,7 @@ class SemanticMapper {
   void redraw(bool all);
 
   SemanticsConfig config_;
+  OpeningModel model_;
   static constexpr double kCell_m = 0.05;
   OccupancyMap occupancy_;
   EvidenceGrid evidence_;

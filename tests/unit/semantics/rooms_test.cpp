@@ -24,7 +24,7 @@ bool counter_clockwise(const std::vector<Eigen::Vector2d>& outline) {
 
 Partition parted(const KnownSpace& space) {
   const Floor floor = make_floor(space, 14);
-  return part_floor(floor, space, {}, find_openings(floor, space, {}, 3.5), {});
+  return part_floor(floor, space, {}, find_openings(floor, space, {}, 3.5, OpeningModel()), {});
 }
 
 std::vector<Room> rooms_of(const KnownSpace& space) { return find_rooms(parted(space), make_floor(space, 14), space, {}); }
@@ -160,7 +160,7 @@ TEST_CASE("a small nook without walls around it joins the room it opens to") {
   const Floor floor = make_floor(space, 14);
   std::vector<Wall> walls;
   test::add_faces(walls, 7.1, 1, 11, 7);
-  const Partition partition = part_floor(floor, space, walls, find_openings(floor, space, walls, 3.5), {});
+  const Partition partition = part_floor(floor, space, walls, find_openings(floor, space, walls, 3.5, OpeningModel()), {});
   const cv::Point nook = space.cell({1.6, 6.5}), room = space.cell({4, 2});
   REQUIRE(partition.labels(nook) == partition.labels(room));
 }
