@@ -12,6 +12,9 @@
 namespace modslam {
 namespace {
 
+constexpr double kAtOutline_m = 0.2;  // walls lie this near the outline of their room
+constexpr double kBehind_m = 0.2;     // a face hides what lies this far behind it
+
 /// Whether most of the wall's face has cells of the mask right behind it.
 bool stands_on(const cv::Mat1b& mask, const Wall& wall, const KnownSpace& space) {
   int behind = 0, looked = 0;
@@ -99,6 +102,28 @@ std::vector<Wall> find_walls(const SemanticEvidence& evidence, ObjectMap& object
   return walls;
 }
 
+/// Faces that stand in a room, off its outline, with what nobody saw behind them, belong to what is in the room: parked cars, beds, counters.
+void drop_faces_in_rooms(std::vector<Wall>& walls, const std::vector<Room>& rooms, const Floor& floor, const KnownSpace& space) {
+  cv::Mat1b hidden(space.occupancy.size(), std::uint8_t{0});
+  std::vector<std::vector<cv::Point>> rings;
+  for (const Room& room : rooms) {
+    rings.emplace_back();
+    for (const Eigen::Vector2d& p : room.outline) rings.back().push_back(space.cell(p));
+    cv::fillPoly(hidden, std::vector<std::vector<cv::Point>>{rings.back()}, cv::Scalar(255));
+  }
+  cv::polylines(hidden, rings, true, cv::Scalar(0), 2 * static_cast<int>(std::lround(kAtOutline_m / space.resolution_m)) + 1);
+  hidden.setTo(0, floor.open);
+  const auto hides = [&](const Wall& wall) {
+    int behind = 0, looked = 0;
+    for (double s = 0.1; s < wall.length_m(); s += 0.1, ++looked) {
+      const cv::Point c = space.cell(wall.a + s * wall.direction() - kBehind_m * wall.normal());
+      behind += space.inside(c) && hidden(c);
+    }
+    return 2 * behind > looked;
+  };
+  walls.erase(std::remove_if(walls.begin(), walls.end(), hides), walls.end());
+}
+
 }  // namespace
 
 SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig& config, const OpeningModel& model) {
@@ -122,6 +147,7 @@ SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig
   rooms.min_enclosed = config.room_enclosed;
   rooms.min_explored = config.room_explored;
   layers.rooms = find_rooms(partition, floor, space, rooms);
+  drop_faces_in_rooms(layers.walls, layers.rooms, floor, space);
   return layers;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file The floor cut at its openings: every region is a room or a part of one that was not seen whole.
 #pragma once
+#include <set>
+
 #include "common/semantics/openings.hpp"
 
 namespace modslam {
@@ -14,6 +16,7 @@ struct CutOpening {
 struct Partition {
   cv::Mat1i labels;               ///< 0: no floor; regions from 1, not all numbers are used
   std::vector<CutOpening> cuts;   ///< surest first; each parts two regions
+  std::set<int> parking;          ///< regions that gaps between parked cars belong to
 };
 
 struct PartitionOptions {

@@ -12,7 +12,7 @@ constexpr double kTolerance_m = 0.1;     // of the outline's corners
 constexpr double kMinHole_m2 = 3.0;      // smaller ones are furniture
 constexpr double kCorridorWidth_m = 3.2, kCorridorElongation = 4.0;
 constexpr double kReach_m = 0.15;        // the outline lies on what was hit this near
-constexpr double kLeastOfBox = 0.65, kMostForeign = 0.03, kLeastSeenSide = 0.12;
+constexpr double kLeastOfBox = 0.65, kLeastOfParking = 0.4, kMostForeign = 0.03, kLeastSeenSide = 0.12;
 
 bool is_corridor(const cv::Mat1b& mask, double area_m2, double resolution_m) {
   cv::Mat1f depth;
@@ -31,6 +31,7 @@ struct Patch {
   cv::Mat1b foreign;   ///< other regions
   cv::Mat1b barrier;   ///< hits and openings, fattened
   KnownSpace space;    ///< shares its pictures
+  bool parking;        ///< cars stand in it
 };
 
 /// Share of the region's rim that touches a barrier.
@@ -54,12 +55,12 @@ cv::Mat1b holes_of(const cv::Mat1b& mask) {
 
 /// Rooms are boxes more often than not. Where the region's box takes nothing of another region, and something was hit on each of its sides, the
 /// rest of it is what furniture hides.
-void complete_box(Patch& patch) {
+void complete_box(Patch& patch, double least) {
   std::vector<cv::Point> cells;
   cv::findNonZero(patch.mask, cells);
   if (cells.size() < 3) return;
   cv::RotatedRect box = cv::minAreaRect(cells);
-  if (static_cast<double>(cells.size()) < kLeastOfBox * box.size.area()) return;
+  if (static_cast<double>(cells.size()) < least * box.size.area()) return;
   cv::Point2f corners[4];
   box.points(corners);
   for (int k = 0; k < 4; ++k) {
@@ -85,7 +86,7 @@ void complete_box(Patch& patch) {
 bool make_room(Patch& patch, const RoomOptions& options, Room& room) {
   room.evidence = enclosed_share(patch);
   if (room.evidence < options.min_enclosed) return false;
-  complete_box(patch);
+  complete_box(patch, patch.parking ? kLeastOfParking : kLeastOfBox);
   room.outline = outline_of(patch.mask, patch.space, kMinHole_m2, kTolerance_m);
   if (room.outline.size() < 3) return false;
   std::vector<cv::Point> ring;
@@ -128,7 +129,7 @@ std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, con
     constexpr int kMargin = 8;
     const cv::Rect box = cv::Rect(tight.x - kMargin, tight.y - kMargin, tight.width + 2 * kMargin, tight.height + 2 * kMargin) &
                          cv::Rect(0, 0, barrier.cols, barrier.rows);
-    Patch patch{{}, {}, barrier(box), space};
+    Patch patch{{}, {}, barrier(box), space, partition.parking.count(label) > 0};
     patch.space.occupancy = space.occupancy(box);
     patch.space.origin_m += space.resolution_m * Eigen::Vector2d(box.x, box.y);
     cv::inRange(partition.labels(box), label, label, patch.mask);
