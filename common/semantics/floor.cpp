@@ -7,21 +7,11 @@ namespace modslam {
 namespace {
 
 constexpr double kSmall_m = 1.0;          // islands no longer than this are things, whatever their shape
-constexpr double kWallThickness_m = 0.45;  // longer ones are pieces of wall when they are thinner than this ...
+constexpr double kWallThickness_m = 0.5;  // longer ones are pieces of wall when they are thinner than this ...
 constexpr double kCompact = 0.85;          // ... or fill less of their box: a cupboard stands against the piece
 constexpr double kRay_m = 0.2;              // floor is at least this wide
 constexpr double kFan_m = 0.5, kNearSolid_m = 0.25;  // ... and at least this where nothing was hit near by: beams through a door spread like a fan
 constexpr double kSpeck_m2 = 1.0;  // smaller patches of floor on their own say nothing
-
-double thickness_m(const cv::Mat1b& mask, double resolution_m) {
-  cv::Mat1b padded;
-  cv::Mat1f depth;
-  cv::copyMakeBorder(mask, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
-  cv::distanceTransform(padded, depth, cv::DIST_L2, 3);
-  double deepest = 0;
-  cv::minMaxLoc(depth, nullptr, &deepest);
-  return (2 * deepest - 1) * resolution_m;
-}
 
 double share_of_box(const cv::Mat1b& mask) {
   std::vector<cv::Point> cells;
