@@ -124,6 +124,14 @@ void drop_faces_in_rooms(std::vector<Wall>& walls, const std::vector<Room>& room
   walls.erase(std::remove_if(walls.begin(), walls.end(), hides), walls.end());
 }
 
+/// A door leads to rooms; a small space behind it that is none was seen through it and may be anything.
+void drop_doors_to_glimpses(std::vector<Door>& doors, const Partition& partition, const std::vector<Room>& rooms, double cell_m, double glimpse_m2) {
+  std::set<int> doubtful = glimpses(partition, cell_m, glimpse_m2);
+  for (const Room& room : rooms) doubtful.erase(room.region);
+  const auto leads_there = [&](const Door& door) { return doubtful.count(door.region_a) + doubtful.count(door.region_b) > 0; };
+  doors.erase(std::remove_if(doors.begin(), doors.end(), leads_there), doors.end());
+}
+
 }  // namespace
 
 SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig& config, const OpeningModel& model) {
@@ -147,6 +155,7 @@ SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig
   rooms.min_enclosed = config.room_enclosed;
   rooms.min_explored = config.room_explored;
   layers.rooms = find_rooms(partition, floor, space, rooms);
+  drop_doors_to_glimpses(layers.doors, partition, layers.rooms, space.resolution_m, rooms.glimpse_m2);
   drop_faces_in_rooms(layers.walls, layers.rooms, floor, space);
   return layers;
 }

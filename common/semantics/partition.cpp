@@ -206,4 +206,15 @@ Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vec
   return out;
 }
 
+std::set<int> glimpses(const Partition& partition, double cell_m, double most_m2) {
+  std::map<int, int> ways, cells;
+  for (const CutOpening& cut : partition.cuts) ++ways[cut.left], ++ways[cut.right];
+  for (const int label : partition.labels)
+    if (label > 0) ++cells[label];
+  std::set<int> out;
+  for (const auto& [region, count] : ways)
+    if (count == 1 && cells[region] * cell_m * cell_m < most_m2) out.insert(region);
+  return out;
+}
+
 }  // namespace modslam

@@ -19,6 +19,9 @@ struct Partition {
   std::set<int> parking;          ///< regions that gaps between parked cars belong to
 };
 
+/// Small regions with one way in. When they are not closed in they are no more than what was seen through that way.
+std::set<int> glimpses(const Partition& partition, double cell_m, double most_m2);
+
 struct PartitionOptions {
   double min_probability = 0.5;
   double min_room_m2 = 1.5;

@@ -29,6 +29,7 @@ struct Patch {
   cv::Mat1b doorways;  ///< openings and what lies near them
   KnownSpace space;    ///< shares its pictures
   bool parking;        ///< cars stand in it
+  bool glimpse;        ///< small, with one way in
 };
 
 /// Share of the region's rim that touches a barrier.
@@ -110,7 +111,7 @@ void complete_box(Patch& patch, double least) {
 
 bool make_room(Patch& patch, const RoomOptions& options, Room& room) {
   room.evidence = enclosed_share(patch);
-  if (room.evidence < options.min_enclosed) return false;
+  if (room.evidence < (patch.glimpse ? options.glimpse_enclosed : options.min_enclosed)) return false;
   complete_box(patch, patch.parking ? kLeastOfParking : kLeastOfBox);
   room.outline = outline_of(patch.mask, patch.space, kMinHole_m2, kTolerance_m);
   if (room.outline.size() < 3) return false;
@@ -143,6 +144,7 @@ std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, con
   const int reach = 2 * static_cast<int>(std::lround(kReach_m / space.resolution_m)) + 1;
   cv::dilate(barrier, barrier, cv::getStructuringElement(cv::MORPH_RECT, {reach, reach}));
 
+  const std::set<int> small = glimpses(partition, space.resolution_m, options.glimpse_m2);
   std::map<int, cv::Rect> boxes;
   for (int y = 0; y < partition.labels.rows; ++y) {
     const int* row = partition.labels[y];
@@ -160,7 +162,7 @@ std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, con
     constexpr int kMargin = 8;
     const cv::Rect box = cv::Rect(tight.x - kMargin, tight.y - kMargin, tight.width + 2 * kMargin, tight.height + 2 * kMargin) &
                          cv::Rect(0, 0, barrier.cols, barrier.rows);
-    Patch patch{{}, {}, barrier(box), doorways(box), space, partition.parking.count(label) > 0};
+    Patch patch{{}, {}, barrier(box), doorways(box), space, partition.parking.count(label) > 0, small.count(label) > 0};
     patch.space.occupancy = space.occupancy(box);
     patch.space.origin_m += space.resolution_m * Eigen::Vector2d(box.x, box.y);
     cv::inRange(partition.labels(box), label, label, patch.mask);
