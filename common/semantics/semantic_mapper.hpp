@@ -25,6 +25,8 @@ class SemanticMapper {
   void set_pose(NodeId id, const Pose2& T_map_base) { nodes_[static_cast<std::size_t>(id)].wanted = T_map_base; }
   /// Works out walls, doors, rooms and objects anew; ids of what was there before stay. `settled`: the input has ended.
   const SemanticLayers& update(bool settled);
+  /// All of it from the evidence, whatever was known before. Ids are left 0.
+  SemanticLayers render() const;
   void clear();
 
  private:
