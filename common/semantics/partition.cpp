@@ -207,13 +207,14 @@ Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vec
 }
 
 std::set<int> glimpses(const Partition& partition, double cell_m, double most_m2) {
-  std::map<int, int> ways, cells;
+  std::map<int, int> ways;
   for (const CutOpening& cut : partition.cuts) ++ways[cut.left], ++ways[cut.right];
+  std::vector<int> cells(ways.empty() ? 1 : static_cast<std::size_t>(ways.rbegin()->first) + 1, 0);
   for (const int label : partition.labels)
-    if (label > 0) ++cells[label];
+    if (label > 0 && label < static_cast<int>(cells.size())) ++cells[static_cast<std::size_t>(label)];
   std::set<int> out;
   for (const auto& [region, count] : ways)
-    if (count == 1 && cells[region] * cell_m * cell_m < most_m2) out.insert(region);
+    if (count == 1 && cells[static_cast<std::size_t>(region)] * cell_m * cell_m < most_m2) out.insert(region);
   return out;
 }
 
