@@ -20,16 +20,6 @@ double share_of_box(const cv::Mat1b& mask) {
   return static_cast<double>(cells.size()) / ((size.width + 1) * (size.height + 1));
 }
 
-/// All cells within `reach` cells of the mask: a dilation whose cost does not know the disc's size.
-cv::Mat1b grown(const cv::Mat1b& mask, double reach) {
-  cv::Mat1b rest, out;
-  cv::Mat1f away;
-  cv::bitwise_not(mask, rest);
-  cv::distanceTransform(rest, away, cv::DIST_L2, 3);
-  cv::compare(away, reach, out, cv::CMP_LE);
-  return out;
-}
-
 }  // namespace
 
 Floor make_floor(const KnownSpace& space, double island_max_m2) {
@@ -61,12 +51,15 @@ Floor make_floor(const KnownSpace& space, double island_max_m2) {
     return cv::getStructuringElement(cv::MORPH_ELLIPSE, {cells, cells});
   };
   cv::morphologyEx(floor.open, floor.open, cv::MORPH_OPEN, disc(kRay_m));
-  const cv::Mat1b beside = grown(floor.solid, kNearSolid_m / space.resolution_m);
-  cv::Mat1b broad, closed_in;
-  cv::bitwise_or(beside, floor.open, broad);
-  cv::bitwise_not(broad, closed_in);
-  cv::bitwise_not(grown(closed_in, 0.5 * kFan_m / space.resolution_m), broad);
-  cv::bitwise_and(floor.open, grown(broad, 0.5 * kFan_m / space.resolution_m), floor.open);
+  const auto square = [&](double width_m) {
+    const int cells = 2 * static_cast<int>(std::lround(width_m / space.resolution_m / 2)) + 1;
+    return cv::getStructuringElement(cv::MORPH_RECT, {cells, cells});
+  };
+  cv::Mat1b broad;
+  cv::dilate(floor.solid, broad, square(2 * kNearSolid_m));
+  cv::bitwise_or(broad, floor.open, broad);
+  cv::morphologyEx(broad, broad, cv::MORPH_OPEN, square(kFan_m));
+  cv::bitwise_and(floor.open, broad, floor.open);
   // Beams that slipped through a window leave single cells and threads beyond it.
   const int specks = cv::connectedComponentsWithStats(floor.open, labels, statistics, centres, 4, CV_32S);
   for (int k = 1; k < specks; ++k)

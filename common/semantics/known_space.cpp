@@ -108,6 +108,14 @@ std::vector<Eigen::Vector2d> outline_of(const cv::Mat1b& mask, const KnownSpace&
   return ring;
 }
 
+std::vector<cv::Point> rim_cells(const cv::Mat1b& mask) {
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
+  std::vector<cv::Point> cells;
+  for (const auto& contour : contours) cells.insert(cells.end(), contour.begin(), contour.end());
+  return cells;
+}
+
 double thickness_m(const cv::Mat1b& mask, double resolution_m) {
   cv::Mat1b padded;
   cv::Mat1f depth;

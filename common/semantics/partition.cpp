@@ -145,10 +145,11 @@ std::vector<int> join_slots(const std::vector<CutOpening>& cuts, const cv::Mat1i
   std::map<int, std::vector<cv::Point>> cells;
   for (const auto& [region, ways] : of_region)
     if (ways.size() == 1 && area_m2[static_cast<std::size_t>(region)] < kMostSlotDepth_m * kMostSlotDepth_m / 1.5) cells[region];
+  std::vector<std::vector<cv::Point>*> wanted(area_m2.size(), nullptr);
+  for (auto& [region, inside] : cells) wanted[static_cast<std::size_t>(region)] = &inside;
   for (int y = 0; y < labels.rows; ++y)
     for (int x = 0; x < labels.cols; ++x)
-      if (labels(y, x) > 0)
-        if (const auto found = cells.find(labels(y, x)); found != cells.end()) found->second.emplace_back(x, y);
+      if (auto* inside = wanted[static_cast<std::size_t>(labels(y, x))]) inside->emplace_back(x, y);
   for (const auto& [region, inside] : cells) {
     if (inside.empty()) continue;
     const CutOpening& way = *of_region[region][0];
@@ -196,7 +197,10 @@ Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vec
   }
   const std::vector<int> slots = join_slots(out.cuts, out.labels, floor, area_m2, regions);
   join_small_regions(out.cuts, area_m2, options.min_room_m2, regions);
-  for (int& label : out.labels) label = regions.root(label);
+  std::vector<int> roots(static_cast<std::size_t>(count));
+  for (int k = 0; k < count; ++k) roots[static_cast<std::size_t>(k)] = regions.root(k);
+  for (int y = 0; y < out.labels.rows; ++y)
+    for (int x = 0; x < out.labels.cols; ++x) out.labels(y, x) = roots[static_cast<std::size_t>(out.labels(y, x))];
   for (const int slot : slots) out.parking.insert(regions.root(slot));
   for (CutOpening& cut : out.cuts) cut.left = regions.root(cut.left), cut.right = regions.root(cut.right);
   for (const CutOpening& cut : out.cuts)  // where two regions became one, the cut is floor again
@@ -210,8 +214,9 @@ std::set<int> glimpses(const Partition& partition, double cell_m, double most_m2
   std::map<int, int> ways;
   for (const CutOpening& cut : partition.cuts) ++ways[cut.left], ++ways[cut.right];
   std::vector<int> cells(ways.empty() ? 1 : static_cast<std::size_t>(ways.rbegin()->first) + 1, 0);
-  for (const int label : partition.labels)
-    if (label > 0 && label < static_cast<int>(cells.size())) ++cells[static_cast<std::size_t>(label)];
+  for (int y = 0; y < partition.labels.rows; ++y)
+    for (const int* label = partition.labels[y]; label != partition.labels[y] + partition.labels.cols; ++label)
+      if (*label < static_cast<int>(cells.size())) ++cells[static_cast<std::size_t>(*label)];
   std::set<int> out;
   for (const auto& [region, count] : ways)
     if (count == 1 && cells[static_cast<std::size_t>(region)] * cell_m * cell_m < most_m2) out.insert(region);

@@ -58,12 +58,11 @@ void drop_unlikely_pieces(cv::Mat1b& filled, const Patch& patch) {
   cv::Mat1b broad, piece;
   cv::morphologyEx(filled, broad, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {strip, strip}));
   cv::Mat1i pieces;
+  if (cv::countNonZero(broad) == 0) return;
   const int count = cv::connectedComponents(broad, pieces, 4, CV_32S);
   for (int k = 1; k < count; ++k) {
     cv::inRange(pieces, k, k, piece);
-    std::vector<cv::Point> cells;
-    cv::findNonZero(piece, cells);
-    const cv::Size2f size = cv::minAreaRect(cells).size;
+    const cv::Size2f size = cv::minAreaRect(rim_cells(piece)).size;
     const double thick_m = thickness_m(piece, cell_m), along_m = std::max(size.width, size.height) * cell_m;
     const bool likely = thick_m < kCounter_m || (thick_m < kBulky_m && (patch.parking || along_m < kBulkyLength_m));
     if (!likely) filled.setTo(0, piece);
@@ -80,11 +79,11 @@ cv::Mat1b without_doorways(const Patch& patch) {
 /// Rooms are boxes more often than not. Where the region's box takes nothing of another region, and something was hit on each of its sides, the
 /// rest of it is what furniture hides.
 void complete_box(Patch& patch, double least) {
-  std::vector<cv::Point> cells;
-  cv::findNonZero(without_doorways(patch), cells);
-  if (cells.size() < 3) return;
-  cv::RotatedRect box = cv::minAreaRect(cells);
-  if (static_cast<double>(cells.size()) < least * box.size.area()) return;
+  const cv::Mat1b region = without_doorways(patch);
+  const double area = cv::countNonZero(region);
+  if (area < 3) return;
+  const cv::RotatedRect box = cv::minAreaRect(rim_cells(region));
+  if (area < least * box.size.area()) return;
   cv::Point2f corners[4];
   box.points(corners);
   for (int k = 0; k < 4; ++k) {

@@ -105,6 +105,8 @@ def section(tours, found):
         rows = [tour_row(name, s[estimator]) for name, s in tours if estimator in s]
         if rows:
             text += [f"Simulated tours through every room, {words}:", "", table(["building"] + TOUR_HEAD, rows)[0], ""]
+            lone = sum(s[estimator]["rooms"]["false_in_unseen"] for _, s in tours if estimator in s)
+            text += [f"Rooms found where no beam ever crossed half of the floor: {lone}.", ""]
     for kind, (words, more) in KINDS.items():
         rows = [map_row(m["name"], kind, m) for m in found if m["kind"] == kind]
         if rows:
