@@ -2,11 +2,11 @@
 #include "common/semantics/opening_model.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
 
+#include "common/formats/file_bytes.hpp"
 #include "common/semantics/openings.hpp"
 
 namespace modslam {
@@ -22,8 +22,7 @@ OpeningModel::OpeningModel() : bias_(kBias), roots_(std::begin(kRoots), std::end
 
 OpeningModel::OpeningModel(const std::string& path) : OpeningModel() {
   if (path.empty()) return;
-  std::ifstream in(path);
-  if (!in) throw std::runtime_error(path + ": cannot be read");
+  std::istringstream in(read_file_bytes(path).bytes);
   bias_ = 0;
   roots_.clear();
   nodes_.clear();

@@ -66,6 +66,16 @@ TEST_CASE("an empty mask and a single cell have no outline that breaks anything"
   REQUIRE_FALSE(contains({}, {0, 0}));
 }
 
+TEST_CASE("cars parked in a row and the gaps between them are one room with the hall they stand in") {
+  KnownSpace space = test::unknown_floor(22, 12);
+  test::fill(space, 1, 1, 20.2, 10.2, test::kSolid);
+  test::fill(space, 1.1, 1.1, 20.1, 10.1, test::kFree);
+  for (int car = 0; car < 6; ++car) test::fill_thing(space, 2.1 + 3 * car, 6.1, 3.9 + 3 * car, 10.2);
+  const auto rooms = rooms_of(space);
+  REQUIRE(rooms.size() == 1);
+  REQUIRE(rooms[0].area_m2 == Approx(19 * 9).margin(56 * kRim_m));
+}
+
 TEST_CASE("two rooms with a door between are two rooms, and the door names both") {
   const TwoRooms plan;
   const Partition partition = parted(plan.space);
