@@ -7,20 +7,11 @@ namespace modslam {
 namespace {
 
 constexpr double kSmall_m = 1.0;          // islands no longer than this are things, whatever their shape
-constexpr double kWallThickness_m = 0.45;  // longer ones are pieces of wall when they are thinner than this ...
+constexpr double kWallThickness_m = 0.5;  // longer ones are pieces of wall when they are thinner than this ...
 constexpr double kCompact = 0.85;          // ... or fill less of their box: a cupboard stands against the piece
 constexpr double kRay_m = 0.2;              // floor is at least this wide
+constexpr double kFan_m = 0.5, kNearSolid_m = 0.25;  // ... and at least this where nothing was hit near by: beams through a door spread like a fan
 constexpr double kSpeck_m2 = 1.0;  // smaller patches of floor on their own say nothing
-
-double thickness_m(const cv::Mat1b& mask, double resolution_m) {
-  cv::Mat1b padded;
-  cv::Mat1f depth;
-  cv::copyMakeBorder(mask, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
-  cv::distanceTransform(padded, depth, cv::DIST_L2, 3);
-  double deepest = 0;
-  cv::minMaxLoc(depth, nullptr, &deepest);
-  return (2 * deepest - 1) * resolution_m;
-}
 
 double share_of_box(const cv::Mat1b& mask) {
   std::vector<cv::Point> cells;
@@ -55,8 +46,20 @@ Floor make_floor(const KnownSpace& space, double island_max_m2) {
     if (thing) floor.open(box).setTo(255, mask);
   }
   // Single beams through a gap leave rays; what is thinner than a hand's breadth is none of the floor.
-  const int thin = 2 * static_cast<int>(std::lround(kRay_m / space.resolution_m / 2)) + 1;
-  cv::morphologyEx(floor.open, floor.open, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {thin, thin}));
+  const auto disc = [&](double width_m) {
+    const int cells = 2 * static_cast<int>(std::lround(width_m / space.resolution_m / 2)) + 1;
+    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {cells, cells});
+  };
+  cv::morphologyEx(floor.open, floor.open, cv::MORPH_OPEN, disc(kRay_m));
+  const auto square = [&](double width_m) {
+    const int cells = 2 * static_cast<int>(std::lround(width_m / space.resolution_m / 2)) + 1;
+    return cv::getStructuringElement(cv::MORPH_RECT, {cells, cells});
+  };
+  cv::Mat1b broad;
+  cv::dilate(floor.solid, broad, square(2 * kNearSolid_m));
+  cv::bitwise_or(broad, floor.open, broad);
+  cv::morphologyEx(broad, broad, cv::MORPH_OPEN, square(kFan_m));
+  cv::bitwise_and(floor.open, broad, floor.open);
   // Beams that slipped through a window leave single cells and threads beyond it.
   const int specks = cv::connectedComponentsWithStats(floor.open, labels, statistics, centres, 4, CV_32S);
   for (int k = 1; k < specks; ++k)

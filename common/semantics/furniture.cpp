@@ -16,6 +16,7 @@ constexpr double kBulky_m = 2.6, kBulkyDepth_m = 2.2;       // ... when it is no
 constexpr double kCarFrom_m = 1.4, kCarTo_m = 2.3, kCarDepth_m = 5.2;  // ... and of a parked car
 constexpr double kLeastDepth_m = 0.15;
 constexpr double kTouch_m = 0.25, kDoor_m = 1.7, kInLine_m = 0.12;
+constexpr double kInwards_m2 = 0.5;
 constexpr double kSmallGroup_m = 4.0;                       // a group of faces this small that nothing joins to others stands alone
 
 /// What a front hides: from the line of the wall behind it up to itself.
@@ -126,8 +127,14 @@ class FurnitureFinder {
         all_high = all_high.cwiseMax(p);
       }
     if ((all_high - all_low).norm() < 2 * kSmallGroup_m) return;  // nothing larger was seen yet
+    // The faces of a small room look inwards, those of a thing outwards.
+    std::vector<double> outwards(walls_.size(), 0);
+    for (std::size_t i = 0; i < walls_.size(); ++i) {
+      const Vec middle = 0.5 * (walls_[i].a + walls_[i].b), centre = 0.5 * (low[root(i)] + high[root(i)]);
+      outwards[root(i)] += walls_[i].length_m() * walls_[i].normal().dot(middle - centre);
+    }
     for (std::size_t i = 0; i < walls_.size(); ++i)
-      if ((high[root(i)] - low[root(i)]).norm() < kSmallGroup_m) furniture_[i] = true;
+      if ((high[root(i)] - low[root(i)]).norm() < kSmallGroup_m && outwards[root(i)] > -kInwards_m2) furniture_[i] = true;
   }
 
   const std::vector<Wall>& walls_;

@@ -64,7 +64,26 @@ double outline_iou(const std::vector<Eigen::Vector2d>& p, const std::vector<Eige
   return in_any ? static_cast<double>(in_both) / in_any : 0.0;
 }
 
+struct Box {
+  Eigen::Vector2d low{1e300, 1e300}, high{-1e300, -1e300};
+  explicit Box(const std::vector<Eigen::Vector2d>& outline) {
+    for (const Eigen::Vector2d& p : outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  }
+  double area() const { return std::max(0.0, high.x() - low.x()) * std::max(0.0, high.y() - low.y()); }
+};
+
+/// Intersection over union of the boxes around both: outlines far apart need no closer look.
+double box_iou(const Box& p, const Box& q) {
+  Box both = p;
+  both.low = p.low.cwiseMax(q.low);
+  both.high = p.high.cwiseMin(q.high);
+  const double common = (both.high.array() > both.low.array()).all() ? both.area() : 0.0;
+  return common > 0 ? common / (p.area() + q.area() - common) : 0.0;
+}
+
 double likeness_of(const Room& p, const Room& q) {
+  if (box_iou(Box(p.outline), Box(q.outline)) < 0.1) return 0;
+  if (p.outline == q.outline) return 1;
   if (!contains(p.outline, mean_of(q.outline)) && !contains(q.outline, mean_of(p.outline)) && std::abs(p.area_m2 - q.area_m2) > 0.3 * p.area_m2)
     return 0;
   const double iou = outline_iou(p.outline, q.outline);

@@ -12,6 +12,9 @@
 namespace modslam {
 namespace {
 
+constexpr double kAtOutline_m = 0.2;  // walls lie this near the outline of their room
+constexpr double kBehind_m = 0.2;     // a face hides what lies this far behind it
+
 /// Whether most of the wall's face has cells of the mask right behind it.
 bool stands_on(const cv::Mat1b& mask, const Wall& wall, const KnownSpace& space) {
   int behind = 0, looked = 0;
@@ -99,9 +102,39 @@ std::vector<Wall> find_walls(const SemanticEvidence& evidence, ObjectMap& object
   return walls;
 }
 
+/// Faces that stand in a room, off its outline, with what nobody saw behind them, belong to what is in the room: parked cars, beds, counters.
+void drop_faces_in_rooms(std::vector<Wall>& walls, const std::vector<Room>& rooms, const Floor& floor, const KnownSpace& space) {
+  cv::Mat1b hidden(space.occupancy.size(), std::uint8_t{0});
+  std::vector<std::vector<cv::Point>> rings;
+  for (const Room& room : rooms) {
+    rings.emplace_back();
+    for (const Eigen::Vector2d& p : room.outline) rings.back().push_back(space.cell(p));
+    cv::fillPoly(hidden, std::vector<std::vector<cv::Point>>{rings.back()}, cv::Scalar(255));
+  }
+  cv::polylines(hidden, rings, true, cv::Scalar(0), 2 * static_cast<int>(std::lround(kAtOutline_m / space.resolution_m)) + 1);
+  hidden.setTo(0, floor.open);
+  const auto hides = [&](const Wall& wall) {
+    int behind = 0, looked = 0;
+    for (double s = 0.1; s < wall.length_m(); s += 0.1, ++looked) {
+      const cv::Point c = space.cell(wall.a + s * wall.direction() - kBehind_m * wall.normal());
+      behind += space.inside(c) && hidden(c);
+    }
+    return 2 * behind > looked;
+  };
+  walls.erase(std::remove_if(walls.begin(), walls.end(), hides), walls.end());
+}
+
+/// A door leads to rooms; a small space behind it that is none was seen through it and may be anything.
+void drop_doors_to_glimpses(std::vector<Door>& doors, const Partition& partition, const std::vector<Room>& rooms, double cell_m, double glimpse_m2) {
+  std::set<int> doubtful = glimpses(partition, cell_m, glimpse_m2);
+  for (const Room& room : rooms) doubtful.erase(room.region);
+  const auto leads_there = [&](const Door& door) { return doubtful.count(door.region_a) + doubtful.count(door.region_b) > 0; };
+  doors.erase(std::remove_if(doors.begin(), doors.end(), leads_there), doors.end());
+}
+
 }  // namespace
 
-SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig& config) {
+SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig& config, const OpeningModel& model) {
   const KnownSpace& space = evidence.space;
   SemanticLayers layers;
   ObjectMap objects = find_objects(space, config.object_max_m2);
@@ -111,7 +144,8 @@ SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig
   PartitionOptions parting;
   parting.min_probability = config.opening_probability;
   parting.min_room_m2 = config.room_min_m2;
-  const Partition partition = part_floor(floor, space, layers.walls, find_openings(floor, space, layers.walls, config.opening_max_m), parting);
+  const std::vector<Opening> openings = find_openings(floor, space, layers.walls, config.opening_max_m, model);
+  const Partition partition = part_floor(floor, space, layers.walls, openings, parting);
   DoorMapOptions doors;
   doors.min_width_m = config.door_min_m;
   doors.max_width_m = config.door_max_m;
@@ -121,6 +155,8 @@ SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig
   rooms.min_enclosed = config.room_enclosed;
   rooms.min_explored = config.room_explored;
   layers.rooms = find_rooms(partition, floor, space, rooms);
+  drop_doors_to_glimpses(layers.doors, partition, layers.rooms, space.resolution_m, rooms.glimpse_m2);
+  drop_faces_in_rooms(layers.walls, layers.rooms, floor, space);
   return layers;
 }
 

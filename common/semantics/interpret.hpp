@@ -6,6 +6,7 @@
 
 #include "common/semantics/door_sensor.hpp"
 #include "common/semantics/known_space.hpp"
+#include "common/semantics/opening_model.hpp"
 #include "common/semantics/semantics_config.hpp"
 #include "common/semantics/types.hpp"
 #include "common/semantics/wall_map.hpp"
@@ -21,6 +22,6 @@ struct SemanticEvidence {
 };
 
 /// Ids are left 0.
-SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig& config);
+SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig& config, const OpeningModel& model);
 
 }  // namespace modslam

@@ -108,6 +108,24 @@ std::vector<Eigen::Vector2d> outline_of(const cv::Mat1b& mask, const KnownSpace&
   return ring;
 }
 
+std::vector<cv::Point> rim_cells(const cv::Mat1b& mask) {
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
+  std::vector<cv::Point> cells;
+  for (const auto& contour : contours) cells.insert(cells.end(), contour.begin(), contour.end());
+  return cells;
+}
+
+double thickness_m(const cv::Mat1b& mask, double resolution_m) {
+  cv::Mat1b padded;
+  cv::Mat1f depth;
+  cv::copyMakeBorder(mask, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
+  cv::distanceTransform(padded, depth, cv::DIST_L2, 3);
+  double deepest = 0;
+  cv::minMaxLoc(depth, nullptr, &deepest);
+  return (2 * deepest - 1) * resolution_m;
+}
+
 double polygon_area_m2(const std::vector<Eigen::Vector2d>& outline) {
   double twice = 0;
   for (std::size_t k = 0; k < outline.size(); ++k) {

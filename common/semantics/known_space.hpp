@@ -35,6 +35,12 @@ struct KnownSpace {
 /// Corners that stand out less than `tolerance_m` are left out.
 std::vector<Eigen::Vector2d> outline_of(const cv::Mat1b& mask, const KnownSpace& space, double min_hole_m2, double tolerance_m);
 
+/// Cells of the outer rims of a mask's regions; they have the mask's hull.
+std::vector<cv::Point> rim_cells(const cv::Mat1b& mask);
+
+/// Diameter of the largest disc inside the mask.
+double thickness_m(const cv::Mat1b& mask, double resolution_m);
+
 double polygon_area_m2(const std::vector<Eigen::Vector2d>& outline);
 
 }  // namespace modslam

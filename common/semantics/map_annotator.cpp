@@ -14,6 +14,7 @@ namespace modslam {
 namespace {
 
 constexpr double kCell_m = 0.05, kRange_m = 12.0, kApart_m = 1.0, kRoom_m = 0.25;
+constexpr double kFringe_m = 0.15;  // unknown cells that a beam crosses: smoothed maps have them between floor and wall
 constexpr int kBeams = 360;
 
 /// What a laser at `eye` would measure in the map; 0 where a beam meets nothing.
@@ -25,11 +26,12 @@ Scan look_around(const KnownSpace& space, const Eigen::Vector2d& eye) {
   for (int k = 0; k < kBeams; ++k) {
     const double bearing = scan.bearing_rad(static_cast<std::size_t>(k));
     const Eigen::Vector2d d(std::cos(bearing), std::sin(bearing));
-    double range_m = 0;
+    double range_m = 0, known = 0;
     for (double s = 1; s * space.resolution_m < kRange_m; s += 0.5) {
       const Eigen::Vector2d p = from + s * d;
       const cv::Point c(static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())));
-      if (!space.inside(c) || space.occupancy(c) == 0) break;
+      if (!space.inside(c) || (s - known) * space.resolution_m > kFringe_m) break;
+      if (space.occupancy(c) > 0) known = s;
       if (space.occupancy(c) < 128) continue;
       // The cell's centre, seen along the beam: the map says no more.
       range_m = d.dot(space.centre(c) - eye);
@@ -82,7 +84,7 @@ AnnotatedMap annotate(const MapImage& map, const SemanticsConfig& config) {
     evidence.scans.push_back(lines.segments);
     for (const DoorSighting& s : sight_doors(scan, sensor, doors)) evidence.sightings.push_back({T_map_base * s.a, T_map_base * s.b});
   }
-  out.layers = interpret(evidence, config);
+  out.layers = interpret(evidence, config, OpeningModel(config.opening_trees));
   Identities().carry_over({}, out.layers);
   return out;
 }

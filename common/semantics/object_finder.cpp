@@ -7,7 +7,7 @@ namespace modslam {
 namespace {
 
 constexpr double kMinArea_m2 = 0.03;
-constexpr double kWallThickness_m = 0.45, kWallExtent_m = 1.2;  // thin and long: a piece of wall between two doors
+constexpr double kWallThickness_m = 0.5, kWallExtent_m = 1.2;  // thin and long: a piece of wall between two doors
 
 /// A guess from the footprint's size and shape; "" when several would do.
 std::string guess_class(double area_m2, const cv::RotatedRect& box, double resolution_m) {
@@ -38,13 +38,7 @@ ObjectMap find_objects(const KnownSpace& space, double max_m2) {
     if (at_border || area_m2 < kMinArea_m2 || area_m2 > max_m2) continue;
     cv::Mat1b mask;
     cv::inRange(labels(box), k, k, mask);
-    cv::Mat1b padded;
-    cv::Mat1f depth;
-    double deepest = 0;
-    cv::copyMakeBorder(mask, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
-    cv::distanceTransform(padded, depth, cv::DIST_L2, 5);
-    cv::minMaxLoc(depth, nullptr, &deepest);
-    const bool thin = (2 * deepest - 1) * space.resolution_m < kWallThickness_m;
+    const bool thin = thickness_m(mask, space.resolution_m) < kWallThickness_m;
     if (thin && std::max(box.width, box.height) * space.resolution_m > kWallExtent_m) continue;
     cv::Mat1b hit;
     cv::inRange(space.occupancy(box), 128, 255, hit);

@@ -2,12 +2,39 @@
 /// @file How sure an opening parts two rooms: gradient-boosted trees over its features.
 #pragma once
 #include <array>
-
-#include "common/semantics/openings.hpp"
+#include <cstddef>
+#include <iosfwd>
+#include <string>
+#include <vector>
 
 namespace modslam {
 
-/// 0..1. The trees stand in opening_trees.inc; `./run.sh train semantics` makes them anew.
-double opening_probability(const std::array<float, kOpeningFeatures>& features);
+class OpeningModel {
+ public:
+  /// A node of a tree: go to `left` when the feature is at most the bound, else to `right`; a leaf has feature -1 and adds `value`.
+  struct Node {
+    int feature;
+    float bound;
+    int left, right;
+    float value;
+  };
+
+  /// The shipped trees, opening_trees.inc; `./run.sh train semantics` makes them anew.
+  OpeningModel();
+  /// Trees from a file that training wrote: "bias B", then "root K" and "node FEATURE BOUND LEFT RIGHT VALUE" lines. "": the shipped ones.
+  /// @throws std::runtime_error naming file and line.
+  explicit OpeningModel(const std::string& path);
+
+  /// 0..1. @param features  kOpeningFeatures numbers.
+  double probability(const float* features) const;
+
+ private:
+  void read(std::istream& in, const std::string& path);
+  void check(const std::string& path) const;
+
+  double bias_ = 0;
+  std::vector<int> roots_;
+  std::vector<Node> nodes_;
+};
 
 }  // namespace modslam

@@ -6,7 +6,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/geometry/pose2.hpp"
-#include "common/semantics/opening_model.hpp"
 
 namespace modslam {
 namespace {
@@ -101,11 +100,15 @@ class OpeningFinder {
       const Corner& corner = outline_.corners[i];
       std::vector<Cut> to_corners, to_edges;
       for (std::size_t j = 0; j < outline_.corners.size(); ++j) {
+        if (std::abs(outline_.corners[j].p.x() - corner.p.x()) > reach_ || std::abs(outline_.corners[j].p.y() - corner.p.y()) > reach_) continue;
         const Cut cut{corner.p, outline_.corners[j].p, static_cast<int>(i), static_cast<int>(j)};
         if (j != i && cut.length() >= shortest && cut.length() <= reach_) to_corners.push_back(cut);
       }
       for (const Edge& edge : outline_.edges) {
         const Vec d = edge.b - edge.a;
+        const Vec from = corner.p - edge.a;
+        if (std::min(from.x(), from.x() - d.x()) > reach_ || std::max(from.x(), from.x() - d.x()) < -reach_) continue;
+        if (std::min(from.y(), from.y() - d.y()) > reach_ || std::max(from.y(), from.y() - d.y()) < -reach_) continue;
         const double share = d.dot(corner.p - edge.a) / d.squaredNorm();
         if (share <= 0.02 || share >= 0.98) continue;
         const Cut cut{corner.p, edge.a + share * d, static_cast<int>(i), -1, d.normalized()};
@@ -133,7 +136,9 @@ class OpeningFinder {
     const double near = 0.12 / cell_m_;
     std::vector<Cut> kept;
     for (const Cut& cut : cuts_) {
-      const bool twin = std::any_of(kept.begin(), kept.end(), [&](const Cut& other) {
+      const bool twin = std::any_of(kept.rbegin(), kept.rend(), [&](const Cut& other) {
+        if (std::abs(cut.a.x() + cut.b.x() - other.a.x() - other.b.x()) > 2 * near || std::abs(cut.a.y() + cut.b.y() - other.a.y() - other.b.y()) > 2 * near)
+          return false;
         return ((cut.a - other.a).norm() < near && (cut.b - other.b).norm() < near) || ((cut.a - other.b).norm() < near && (cut.b - other.a).norm() < near);
       });
       if (!twin) kept.push_back(cut);
@@ -202,6 +207,7 @@ class OpeningFinder {
   double wall_at_m(const Vec& p) const {
     double longest = 0;
     for (const Wall& wall : walls_) {
+      if ((p.array() < wall.a.cwiseMin(wall.b).array() - kAtWall_m).any() || (p.array() > wall.a.cwiseMax(wall.b).array() + kAtWall_m).any()) continue;
       const Vec u = wall.direction();
       const double along = u.dot(p - wall.a), across = u.x() * (p - wall.a).y() - u.y() * (p - wall.a).x();
       if (std::abs(across) < kAtWall_m && along > -kAtWall_m && along < wall.length_m() + kAtWall_m) longest = std::max(longest, wall.length_m());
@@ -246,7 +252,6 @@ class OpeningFinder {
     f[kMidClear] = static_cast<float>(floor_.clearance(cell(cut.centre())) / half);
     f[kLocal] = static_cast<float>(cut.length() / narrowest_near(k));
     pair(kWallLess, wall_at_m(out.a), wall_at_m(out.b));
-    out.probability = opening_probability(f);
     return out;
   }
 
@@ -260,9 +265,12 @@ class OpeningFinder {
 
 }  // namespace
 
-std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, double max_width_m) {
+std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, double max_width_m,
+                                   const OpeningModel& model) {
   if (floor.open.empty()) return {};
-  return OpeningFinder(floor, space, walls, max_width_m).run();
+  std::vector<Opening> openings = OpeningFinder(floor, space, walls, max_width_m).run();
+  for (Opening& opening : openings) opening.probability = model.probability(opening.features.data());
+  return openings;
 }
 
 }  // namespace modslam

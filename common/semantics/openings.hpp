@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/semantics/floor.hpp"
+#include "common/semantics/opening_model.hpp"
 #include "common/semantics/types.hpp"
 
 namespace modslam {
@@ -36,6 +37,7 @@ struct Opening {
 };
 
 /// All cuts of at most max_width_m that a corner of the floor's outline takes part in, with features and probability.
-std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, double max_width_m);
+std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, double max_width_m,
+                                   const OpeningModel& model);
 
 }  // namespace modslam

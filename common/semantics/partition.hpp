@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file The floor cut at its openings: every region is a room or a part of one that was not seen whole.
 #pragma once
+#include <set>
+
 #include "common/semantics/openings.hpp"
 
 namespace modslam {
@@ -14,7 +16,11 @@ struct CutOpening {
 struct Partition {
   cv::Mat1i labels;               ///< 0: no floor; regions from 1, not all numbers are used
   std::vector<CutOpening> cuts;   ///< surest first; each parts two regions
+  std::set<int> parking;          ///< regions that gaps between parked cars belong to
 };
+
+/// Small regions with one way in. When they are not closed in they are no more than what was seen through that way.
+std::set<int> glimpses(const Partition& partition, double cell_m, double most_m2);
 
 struct PartitionOptions {
   double min_probability = 0.5;

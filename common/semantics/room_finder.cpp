@@ -12,16 +12,12 @@ constexpr double kTolerance_m = 0.1;     // of the outline's corners
 constexpr double kMinHole_m2 = 3.0;      // smaller ones are furniture
 constexpr double kCorridorWidth_m = 3.2, kCorridorElongation = 4.0;
 constexpr double kReach_m = 0.15;        // the outline lies on what was hit this near
-constexpr double kLeastOfBox = 0.65, kMostForeign = 0.03, kLeastSeenSide = 0.12;
+constexpr double kStrip_m = 0.25, kCounter_m = 1.3, kBulky_m = 3.0, kBulkyLength_m = 4.0;  // of what hides floor, with its shadow
+constexpr double kDoorway_m = 0.3;       // a doorway reaches this far off its cut
+constexpr double kLeastOfBox = 0.65, kLeastOfParking = 0.4, kMostForeign = 0.03, kLeastSeenSide = 0.12;
 
 bool is_corridor(const cv::Mat1b& mask, double area_m2, double resolution_m) {
-  cv::Mat1f depth;
-  cv::Mat1b padded;
-  cv::copyMakeBorder(mask, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
-  cv::distanceTransform(padded, depth, cv::DIST_L2, 3);
-  double deepest = 0;
-  cv::minMaxLoc(depth, nullptr, &deepest);
-  const double width_m = 2 * deepest * resolution_m;
+  const double width_m = thickness_m(mask, resolution_m);
   return width_m < kCorridorWidth_m && area_m2 / (width_m * width_m) > kCorridorElongation;
 }
 
@@ -30,7 +26,10 @@ struct Patch {
   cv::Mat1b mask;      ///< the region
   cv::Mat1b foreign;   ///< other regions
   cv::Mat1b barrier;   ///< hits and openings, fattened
+  cv::Mat1b doorways;  ///< openings and what lies near them
   KnownSpace space;    ///< shares its pictures
+  bool parking;        ///< cars stand in it
+  bool glimpse;        ///< small, with one way in
 };
 
 /// Share of the region's rim that touches a barrier.
@@ -52,14 +51,39 @@ cv::Mat1b holes_of(const cv::Mat1b& mask) {
   return holes;
 }
 
+/// What is larger than furniture, or cars where cars park, is space of its own that was not seen.
+void drop_unlikely_pieces(cv::Mat1b& filled, const Patch& patch) {
+  const double cell_m = patch.space.resolution_m;
+  const int strip = 2 * static_cast<int>(std::lround(kStrip_m / cell_m / 2)) + 1;
+  cv::Mat1b broad, piece;
+  cv::morphologyEx(filled, broad, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {strip, strip}));
+  cv::Mat1i pieces;
+  if (cv::countNonZero(broad) == 0) return;
+  const int count = cv::connectedComponents(broad, pieces, 4, CV_32S);
+  for (int k = 1; k < count; ++k) {
+    cv::inRange(pieces, k, k, piece);
+    const cv::Size2f size = cv::minAreaRect(rim_cells(piece)).size;
+    const double thick_m = thickness_m(piece, cell_m), along_m = std::max(size.width, size.height) * cell_m;
+    const bool likely = thick_m < kCounter_m || (thick_m < kBulky_m && (patch.parking || along_m < kBulkyLength_m));
+    if (!likely) filled.setTo(0, piece);
+  }
+}
+
+/// The region without what sticks out of it into doorways.
+cv::Mat1b without_doorways(const Patch& patch) {
+  cv::Mat1b rest = patch.mask.clone();
+  rest.setTo(0, patch.doorways);
+  return rest;
+}
+
 /// Rooms are boxes more often than not. Where the region's box takes nothing of another region, and something was hit on each of its sides, the
 /// rest of it is what furniture hides.
-void complete_box(Patch& patch) {
-  std::vector<cv::Point> cells;
-  cv::findNonZero(patch.mask, cells);
-  if (cells.size() < 3) return;
-  cv::RotatedRect box = cv::minAreaRect(cells);
-  if (static_cast<double>(cells.size()) < kLeastOfBox * box.size.area()) return;
+void complete_box(Patch& patch, double least) {
+  const cv::Mat1b region = without_doorways(patch);
+  const double area = cv::countNonZero(region);
+  if (area < 3) return;
+  const cv::RotatedRect box = cv::minAreaRect(rim_cells(region));
+  if (area < least * box.size.area()) return;
   cv::Point2f corners[4];
   box.points(corners);
   for (int k = 0; k < 4; ++k) {
@@ -79,13 +103,15 @@ void complete_box(Patch& patch) {
   if (cv::countNonZero(common) > kMostForeign * cv::countNonZero(filled)) return;
   filled.setTo(0, patch.foreign);
   filled.setTo(0, holes_of(patch.mask));
+  filled.setTo(0, patch.mask);
+  drop_unlikely_pieces(filled, patch);
   cv::bitwise_or(patch.mask, filled, patch.mask);
 }
 
 bool make_room(Patch& patch, const RoomOptions& options, Room& room) {
   room.evidence = enclosed_share(patch);
-  if (room.evidence < options.min_enclosed) return false;
-  complete_box(patch);
+  if (room.evidence < (patch.glimpse ? options.glimpse_enclosed : options.min_enclosed)) return false;
+  complete_box(patch, patch.parking ? kLeastOfParking : kLeastOfBox);
   room.outline = outline_of(patch.mask, patch.space, kMinHole_m2, kTolerance_m);
   if (room.outline.size() < 3) return false;
   std::vector<cv::Point> ring;
@@ -108,9 +134,16 @@ std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, con
   cv::Mat1b barrier = floor.solid.clone();
   for (const CutOpening& cut : partition.cuts)
     cv::line(barrier, space.cell(cut.opening.a), space.cell(cut.opening.b), cv::Scalar(255), 1, cv::LINE_8);
+  cv::Mat1b doorways(barrier.size(), std::uint8_t{0});
+  for (const CutOpening& cut : partition.cuts) {
+    const Eigen::Vector2d d = (cut.opening.b - cut.opening.a).normalized(), n = kDoorway_m * Eigen::Vector2d(-d.y(), d.x());
+    const std::vector<cv::Point> box{space.cell(cut.opening.a - n), space.cell(cut.opening.b - n), space.cell(cut.opening.b + n), space.cell(cut.opening.a + n)};
+    cv::fillConvexPoly(doorways, box, cv::Scalar(255));
+  }
   const int reach = 2 * static_cast<int>(std::lround(kReach_m / space.resolution_m)) + 1;
   cv::dilate(barrier, barrier, cv::getStructuringElement(cv::MORPH_RECT, {reach, reach}));
 
+  const std::set<int> small = glimpses(partition, space.resolution_m, options.glimpse_m2);
   std::map<int, cv::Rect> boxes;
   for (int y = 0; y < partition.labels.rows; ++y) {
     const int* row = partition.labels[y];
@@ -128,7 +161,7 @@ std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, con
     constexpr int kMargin = 8;
     const cv::Rect box = cv::Rect(tight.x - kMargin, tight.y - kMargin, tight.width + 2 * kMargin, tight.height + 2 * kMargin) &
                          cv::Rect(0, 0, barrier.cols, barrier.rows);
-    Patch patch{{}, {}, barrier(box), space};
+    Patch patch{{}, {}, barrier(box), doorways(box), space, partition.parking.count(label) > 0, small.count(label) > 0};
     patch.space.occupancy = space.occupancy(box);
     patch.space.origin_m += space.resolution_m * Eigen::Vector2d(box.x, box.y);
     cv::inRange(partition.labels(box), label, label, patch.mask);

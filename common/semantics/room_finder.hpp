@@ -14,6 +14,8 @@ namespace modslam {
 struct RoomOptions {
   double min_area_m2 = 1.5;
   double min_enclosed = 0.6;   ///< share of the outline that must lie on walls or openings
+  double glimpse_enclosed = 0.72;  ///< the same for small regions with one way in
+  double glimpse_m2 = 12;              ///< larger ones are not small
   double min_explored = 0.5;
 };
 

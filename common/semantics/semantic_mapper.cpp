@@ -7,7 +7,7 @@
 
 namespace modslam {
 
-SemanticMapper::SemanticMapper(const SemanticsConfig& config) : config_(config), occupancy_(kCell_m, config.range_limit_m) {}
+SemanticMapper::SemanticMapper(const SemanticsConfig& config) : config_(config), model_(config.opening_trees), occupancy_(kCell_m, config.range_limit_m) {}
 
 void SemanticMapper::clear() { *this = SemanticMapper(config_); }
 
@@ -45,8 +45,7 @@ void SemanticMapper::redraw(bool all) {
   }
 }
 
-const SemanticLayers& SemanticMapper::update(bool settled) {
-  redraw(settled);
+SemanticLayers SemanticMapper::render() const {
   SemanticEvidence evidence{KnownSpace(occupancy_), {}, {}, [this](const Eigen::Vector2d& p) { return evidence_.log_odds(p); }};
   for (const NodeView& node : nodes_) {
     PlacedSegments placed;
@@ -58,7 +57,12 @@ const SemanticLayers& SemanticMapper::update(bool settled) {
     evidence.scans.push_back(std::move(placed));
     for (const DoorSighting& door : node.doors) evidence.sightings.push_back({node.wanted * door.a, node.wanted * door.b});
   }
-  SemanticLayers layers = interpret(evidence, config_);
+  return interpret(evidence, config_, model_);
+}
+
+const SemanticLayers& SemanticMapper::update(bool settled) {
+  redraw(settled);
+  SemanticLayers layers = render();
   identities_.carry_over(layers_, layers);
   layers_ = std::move(layers);
   return layers_;

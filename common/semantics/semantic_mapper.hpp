@@ -11,6 +11,7 @@
 #include "common/semantics/evidence_grid.hpp"
 #include "common/semantics/hough.hpp"
 #include "common/semantics/identities.hpp"
+#include "common/semantics/opening_model.hpp"
 #include "common/semantics/semantics_config.hpp"
 
 namespace modslam {
@@ -24,6 +25,8 @@ class SemanticMapper {
   void set_pose(NodeId id, const Pose2& T_map_base) { nodes_[static_cast<std::size_t>(id)].wanted = T_map_base; }
   /// Works out walls, doors, rooms and objects anew; ids of what was there before stay. `settled`: the input has ended.
   const SemanticLayers& update(bool settled);
+  /// All of it from the evidence, whatever was known before. Ids are left 0.
+  SemanticLayers render() const;
   void clear();
 
  private:
@@ -39,6 +42,7 @@ class SemanticMapper {
   void redraw(bool all);
 
   SemanticsConfig config_;
+  OpeningModel model_;
   static constexpr double kCell_m = 0.05;
   OccupancyMap occupancy_;
   EvidenceGrid evidence_;

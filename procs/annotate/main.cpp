@@ -19,7 +19,7 @@ using namespace modslam;
 /// Every opening with its features, one a line: what `train semantics` learns from.
 std::string openings_csv(const KnownSpace& space, const std::vector<Wall>& walls, const SemanticsConfig& config) {
   std::ostringstream out;
-  for (const Opening& o : find_openings(make_floor(space, config.object_max_m2), space, walls, config.opening_max_m)) {
+  for (const Opening& o : find_openings(make_floor(space, config.object_max_m2), space, walls, config.opening_max_m, OpeningModel(config.opening_trees))) {
     out << o.a.x() << ',' << o.a.y() << ',' << o.b.x() << ',' << o.b.y() << ',' << o.probability;
     for (const float f : o.features) out << ',' << f;
     out << '\n';

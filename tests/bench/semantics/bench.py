@@ -38,20 +38,52 @@ def tour(binary, source, out, estimators):
     scores = {}
     for estimator in estimators:
         result = os.path.join(folder, estimator)
-        os.makedirs(result, exist_ok=True)
-        run(f"{binary}/modslam-offline", log, "--out", result, "--set", f"launch.estimator={estimator}", "--set", "semantics.publish_s=600")
-        run(f"{binary}/modslam-report", result)
-        score = os.path.join(result, "scores.json")
-        run(f"{binary}/modslam-evaluate", "--semantic", f"{result}/semantic.geojson", "--world-truth", truth, "--log", f"{result}/run.lcm", "--json", score)
-        with open(score) as f:
-            scores[estimator] = json.load(f)["semantics"]
+        scores[estimator] = tour_semantics(binary, folder, estimator, result)[1]
     return name, scores
+
+
+def tour_semantics(binary, folder, estimator, result, options=()):
+    """What one estimator and the semantic map make of a driven tour: the files of the run in `result`, and the scores."""
+    os.makedirs(result, exist_ok=True)
+    run(f"{binary}/modslam-offline", os.path.join(folder, "drive.lcm"), "--out", result, "--set", f"launch.estimator={estimator}", "--set",
+        "semantics.publish_s=600", *options)
+    run(f"{binary}/modslam-report", result)
+    score = os.path.join(result, "scores.json")
+    run(f"{binary}/modslam-evaluate", "--semantic", f"{result}/semantic.geojson", "--world-truth", os.path.join(folder, "truth.geojson"), "--log",
+        f"{result}/run.lcm", "--json", score)
+    with open(score) as f:
+        return result, json.load(f)["semantics"]
+
+
+TOUR_HEAD = ["walls P", "walls R", "doors P", "doors R", "right two rooms", "rooms F1", "rooms mean IoU"]
+MAP_HEAD = ["rooms P", "rooms R", "rooms F1", "rooms mean IoU"]
+KINDS = {"plain": ("Grid maps, plain", []), "furnished": ("Grid maps, furnished", ["objects or static, balanced"]),
+         "robot": ("Maps of a real robot (scored inside the labelled rooms)", ["doors P", "doors R", "doors F1"])}
 
 
 def tour_row(name, s):
     wall = next(w for w in s["walls"]["at"] if w["tolerance_m"] == 0.1)
     pairs = maps.ratio(s["doors"]["pairs_right"], s["doors"]["pairs_known"])
     return [name, wall["precision"], wall["recall"], s["doors"]["precision"], s["doors"]["recall"], pairs, s["rooms"]["f1"], s["rooms"]["mean_iou"]]
+
+
+def map_row(name, kind, s):
+    r = s["rooms"]
+    row = [name, r["precision"], r["recall"], r["f1"], r["mean_iou"]]
+    if kind == "furnished":
+        row.append(s["objects"]["balanced_accuracy"])
+    if kind == "robot":
+        row += [s["doors"][k] for k in ("precision", "recall", "f1")]
+    return row
+
+
+def held_out_section(rows):
+    """The means over each kind of map, by trees that never saw the building."""
+    text = []
+    for kind, found in sorted(rows.items()):
+        words, head = ("Simulated tours, perfect localisation", TOUR_HEAD) if kind == "tour" else (KINDS[kind][0], MAP_HEAD + KINDS[kind][1])
+        text += [f"{words}:", "", table(["map"] + head, found)[0], ""]
+    return "\n".join(text)
 
 
 def percent(x):
@@ -72,22 +104,13 @@ def section(tours, found):
     for estimator, words in (("ground_truth", "perfect localisation"), ("graph_optimizer", "our own SLAM")):
         rows = [tour_row(name, s[estimator]) for name, s in tours if estimator in s]
         if rows:
-            text += [f"Simulated tours through every room, {words}:", "",
-                     table(["building", "walls P", "walls R", "doors P", "doors R", "right two rooms", "rooms F1", "rooms mean IoU"], rows)[0], ""]
-    kinds = {}
-    for m in found:
-        kinds.setdefault(m["kind"], []).append(m)
-    for kind, words in (("plain", "Grid maps, plain"), ("furnished", "Grid maps, furnished"), ("robot", "Maps of a real robot (scored inside the labelled rooms)")):
-        if kind not in kinds:
-            continue
-        head, rows = ["map", "rooms P", "rooms R", "rooms F1", "rooms mean IoU"], []
-        head += {"plain": [], "furnished": ["objects or static, balanced"], "robot": ["doors P", "doors R", "doors F1"]}[kind]
-        for m in kinds[kind]:
-            r = m["rooms"]
-            row = [m["name"], r["precision"], r["recall"], r["f1"], r["mean_iou"]]
-            row += [m["objects"]["balanced_accuracy"]] if kind == "furnished" else [m["doors"][k] for k in ("precision", "recall", "f1")] if kind == "robot" else []
-            rows.append(row)
-        text += [words + ":", "", table(head, rows)[0], ""]
+            text += [f"Simulated tours through every room, {words}:", "", table(["building"] + TOUR_HEAD, rows)[0], ""]
+            lone = sum(s[estimator]["rooms"]["false_in_unseen"] for _, s in tours if estimator in s)
+            text += [f"Rooms found where no beam ever crossed half of the floor: {lone}.", ""]
+    for kind, (words, more) in KINDS.items():
+        rows = [map_row(m["name"], kind, m) for m in found if m["kind"] == kind]
+        if rows:
+            text += [words + ":", "", table(["map"] + MAP_HEAD + more, rows)[0], ""]
     return "\n".join(text)
 
 

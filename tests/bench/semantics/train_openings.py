@@ -3,13 +3,12 @@
 """Learns how sure an opening parts two rooms (common/semantics/opening_trees.inc) from labelled maps and tours.
 
 train_openings.py BUILD DATA OUT [--held-out]: OUT is what bench.py left (it drives the tours). Prints how well openings of each building are
-told when the building is held out, then trains on all and writes the trees; build again afterwards. --held-out also builds `annotate` once per
-building and scores the rooms of the maps it was not trained on."""
+told when the building is held out, then trains on all and writes the trees; build again afterwards. --held-out also scores every map and tour with trees
+that never saw its building."""
 import argparse
 import json
 import math
 import os
-import subprocess
 import sys
 
 import numpy as np
@@ -20,6 +19,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 HOUSE = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
 TREES = os.path.join(HOUSE, "common", "semantics", "opening_trees.inc")
 sys.path.insert(0, HERE)
+import bench  # noqa: E402
 import maps  # noqa: E402
 
 NUMBER_OF_TREES, DEPTH, RATE, SHARE, LEAST_LEAF, SEED = 60, 3, 0.15, 0.7, 25, 1
@@ -106,10 +106,8 @@ def fit(sets):
     return model.fit(np.vstack([s["x"] for s in sets]), np.concatenate([s["y"] for s in sets]), sample_weight=weights / weights.mean())
 
 
-def write_trees(model):
-    def number(v):
-        text = f"{v:.5g}"
-        return text + ("f" if "." in text or "e" in text else ".0f")
+def nodes_of(model):
+    """Bias, roots and nodes (feature, bound, left, right, value) of all trees in one list; a leaf has feature -1."""
     nodes, roots = [], []
     for tree in model.estimators_[:, 0]:
         t, base = tree.tree_, len(nodes)
@@ -119,17 +117,45 @@ def write_trees(model):
             nodes.append((-1, 0, 0, 0, model.learning_rate * t.value[i][0][0]) if leaf else
                          (t.feature[i], t.threshold[i], base + t.children_left[i], base + t.children_right[i], 0))
     share = model.init_.class_prior_[1]
+    return math.log(share / (1 - share)), roots, nodes
+
+
+def write_trees(model):
+    """The built-in trees, as C++."""
+    def number(v):
+        text = f"{v:.5g}"
+        return text + ("f" if "." in text or "e" in text else ".0f")
+    bias, roots, nodes = nodes_of(model)
     with open(TREES, "w") as f:
         f.write("// SPDX-License-Identifier: BSD-3-Clause\n// Made by ./run.sh train semantics; see opening_model.hpp.\n// clang-format off\n")
-        f.write(f"constexpr double kBias = {math.log(share / (1 - share)):.5f};\nconstexpr int kRoots[] = {{{', '.join(map(str, roots))}}};\n")
+        f.write(f"constexpr double kBias = {bias:.5f};\nconstexpr int kRoots[] = {{{', '.join(map(str, roots))}}};\n")
         f.write("constexpr Node kNodes[] = {\n")
         for k in range(0, len(nodes), 4):
             f.write("  " + " ".join(f"{{{a}, {number(b)}, {c}, {d}, {number(v)}}}," for a, b, c, d, v in nodes[k:k + 4]) + "\n")
         f.write("};\n// clang-format on\n")
 
 
-def build_annotate(build):
-    subprocess.run(["ninja", "-C", build, "modslam-annotate"], check=True, stdout=subprocess.DEVNULL)
+def write_tree_file(model, path):
+    """As semantics.opening_trees reads them."""
+    bias, roots, nodes = nodes_of(model)
+    with open(path, "w") as f:
+        f.write(f"bias {bias:.5f}\n" + "".join(f"root {r}\n" for r in roots))
+        f.write("".join(f"node {a} {b:.5g} {c} {d} {v:.5g}\n" for a, b, c, d, v in nodes))
+
+
+def score_held_out(sets, models, binary, args):
+    """Scores every map and tour with the trees that never saw its building, and prints means."""
+    rows = {}
+    for s in sets:
+        m, options = s["map"], ["--set", f"semantics.opening_trees={models[s['building']]}"]
+        if m.kind == "tour":
+            _, found = bench.tour_semantics(binary, os.path.join(args.out, "tours", m.name), "ground_truth", os.path.join(args.out, "held_out", m.name), options)
+            row = bench.tour_row(m.name, found)
+        else:
+            row = bench.map_row(m.name, m.kind, maps.score(m, maps.annotate(m, binary, options)))
+        rows.setdefault(m.kind, []).append(row)
+        print(f"  {m.name + ' ' + m.kind:34s}", " ".join(bench.percent(x) for x in row[1:]), flush=True)
+    return rows
 
 
 def main():
@@ -142,31 +168,26 @@ def main():
     binary = os.path.join(os.path.abspath(args.build), "bin")
     sets = [load(m, binary) for m in maps.drawn_maps(args.data, args.out) + maps.robot_maps(args.data, args.out) + tour_maps(args.out)]
     print("Openings of buildings that were held out: average precision, and precision and recall at one half")
-    scores, figures = {}, []
+    figures, models = [], {}
+    os.makedirs(os.path.join(args.out, "held_out"), exist_ok=True)
     for building in sorted({s["building"] for s in sets}):
         model = fit([s for s in sets if s["building"] != building])
-        if args.held_out:
-            write_trees(model)
-            build_annotate(args.build)
+        models[building] = os.path.join(os.path.abspath(args.out), "held_out", building + ".trees")
+        write_tree_file(model, models[building])
         for s in (s for s in sets if s["building"] == building):
             m, y = s["map"], s["y"]
             p = model.predict_proba(s["x"])[:, 1]
             said = p > 0.5
             figures.append((average_precision_score(y, p), maps.ratio((said & (y == 1)).sum(), said.sum()), maps.ratio((said & (y == 1)).sum(), (y == 1).sum())))
-            line = f"  {m.name + ' ' + m.kind:34s} {figures[-1][0]:.3f} {figures[-1][1]:.3f} {figures[-1][2]:.3f}"
-            if args.held_out and m.kind != "tour":
-                found = maps.score(m, maps.annotate(m, binary))
-                scores.setdefault(m.kind, []).append(found)
-                line += f"   rooms F1 {found['rooms']['f1']:.3f}"
-            print(line, flush=True)
+            print(f"  {m.name + ' ' + m.kind:34s}", *(f"{x:.3f}" for x in figures[-1]), flush=True)
     print("  mean", *(f"{x:.3f}" for x in np.mean(figures, axis=0)))
     write_trees(fit(sets))
-    for kind, found in scores.items():
-        line = f"  {kind}, held out: rooms F1 {np.mean([f['rooms']['f1'] for f in found]):.3f}, mean IoU {np.mean([f['rooms']['mean_iou'] for f in found]):.3f}"
-        if kind == "robot":
-            line += f", doors F1 {np.mean([f['doors']['f1'] for f in found]):.3f}"
-        print(line)
     print(f"{TREES} written; build again")
+    if args.held_out:
+        text = bench.held_out_section(score_held_out(sets, models, binary, args))
+        with open(os.path.join(args.out, "held_out.md"), "w") as f:
+            f.write(text)
+        print(text)
 
 
 if __name__ == "__main__":

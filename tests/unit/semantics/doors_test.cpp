@@ -38,7 +38,7 @@ struct Scene {
   }
   std::vector<Door> doors() const {
     const Floor floor = make_floor(space, 14);
-    return find_doors(part_floor(floor, space, {}, find_openings(floor, space, {}, 3.5), {}), sightings, {});
+    return find_doors(part_floor(floor, space, {}, find_openings(floor, space, {}, 3.5, OpeningModel()), {}), sightings, {});
   }
 };
 
@@ -106,7 +106,7 @@ TEST_CASE("noise of any kind makes openings that all have finite features and a 
       cell = draw < 0.1 ? test::kSolid : draw < 0.2 ? test::kUnknown : test::kFree;
     }
     const Floor floor = make_floor(space, 14);
-    for (const Opening& opening : find_openings(floor, space, {}, 3.5)) {
+    for (const Opening& opening : find_openings(floor, space, {}, 3.5, OpeningModel())) {
       REQUIRE(opening.probability >= 0);
       REQUIRE(opening.probability <= 1);
       for (const float feature : opening.features) REQUIRE(std::isfinite(feature));

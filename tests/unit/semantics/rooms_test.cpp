@@ -24,7 +24,7 @@ bool counter_clockwise(const std::vector<Eigen::Vector2d>& outline) {
 
 Partition parted(const KnownSpace& space) {
   const Floor floor = make_floor(space, 14);
-  return part_floor(floor, space, {}, find_openings(floor, space, {}, 3.5), {});
+  return part_floor(floor, space, {}, find_openings(floor, space, {}, 3.5, OpeningModel()), {});
 }
 
 std::vector<Room> rooms_of(const KnownSpace& space) { return find_rooms(parted(space), make_floor(space, 14), space, {}); }
@@ -64,6 +64,16 @@ TEST_CASE("an empty mask and a single cell have no outline that breaks anything"
   mask(5, 5) = 255;
   REQUIRE(polygon_area_m2(outline_of(mask, space, 1, 0.1)) < 0.02);
   REQUIRE_FALSE(contains({}, {0, 0}));
+}
+
+TEST_CASE("cars parked in a row and the gaps between them are one room with the hall they stand in") {
+  KnownSpace space = test::unknown_floor(22, 12);
+  test::fill(space, 1, 1, 20.2, 10.2, test::kSolid);
+  test::fill(space, 1.1, 1.1, 20.1, 10.1, test::kFree);
+  for (int car = 0; car < 6; ++car) test::fill_thing(space, 2.1 + 3 * car, 6.1, 3.9 + 3 * car, 10.2);
+  const auto rooms = rooms_of(space);
+  REQUIRE(rooms.size() == 1);
+  REQUIRE(rooms[0].area_m2 == Approx(19 * 9).margin(56 * kRim_m));
 }
 
 TEST_CASE("two rooms with a door between are two rooms, and the door names both") {
@@ -160,7 +170,7 @@ TEST_CASE("a small nook without walls around it joins the room it opens to") {
   const Floor floor = make_floor(space, 14);
   std::vector<Wall> walls;
   test::add_faces(walls, 7.1, 1, 11, 7);
-  const Partition partition = part_floor(floor, space, walls, find_openings(floor, space, walls, 3.5), {});
+  const Partition partition = part_floor(floor, space, walls, find_openings(floor, space, walls, 3.5, OpeningModel()), {});
   const cv::Point nook = space.cell({1.6, 6.5}), room = space.cell({4, 2});
   REQUIRE(partition.labels(nook) == partition.labels(room));
 }
