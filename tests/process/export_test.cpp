@@ -140,7 +140,9 @@ TEST_CASE("semantic.geojson comes back as it was written") {
 }
 
 TEST_CASE("what cannot be written is said with its name") {
-  REQUIRE_THROWS_WITH(write_geotiff("/nowhere/a.tif", {}, sample_map()), Catch::Matchers::Contains("/nowhere/a.tif"));
-  REQUIRE_THROWS_WITH(write_dxf("/nowhere/a.dxf", sample_layers()), Catch::Matchers::Contains("/nowhere/a.dxf"));
+  const TemporaryFolder folder;
+  const std::string gone = folder.path + "/gone/a";
+  REQUIRE_THROWS_WITH(write_geotiff(gone + ".tif", {}, sample_map()), Catch::Matchers::Contains(gone + ".tif"));
+  REQUIRE_THROWS_WITH(write_dxf(gone + ".dxf", sample_layers()), Catch::Matchers::Contains(gone + ".dxf"));
   REQUIRE_THROWS_WITH(write_geotiff("a.tif", {}, {}), Catch::Matchers::Contains("empty"));
 }
