@@ -38,6 +38,7 @@ std::pair<std::size_t, std::size_t> part(const std::vector<T>& list, std::size_t
 EstimatorSession::EstimatorSession(Bus& bus, const EstimatorConfig& config, const JournalConfig& journal)
     : bus_(bus), estimator_(config), journal_(journal, bus.name()) {
   resume();
+  bus.publishes(channel::kPose);
   bus.subscribe<sync_request_t>(channel::kSyncRequest, [this](const sync_request_t& m) {
     if (m.from_node < 0) throw BadMessage("from_node " + std::to_string(m.from_node));
     if (nodes_.empty() || m.requester == bus_.name()) return;

@@ -38,6 +38,7 @@ class ScanSource {
   void hand_on(const Pose2& T_odom_base);
 
   Bus& bus_;
+  std::string channel_;
   std::function<void(const Scan&, const Pose2&)> on_scan_;
   SensorInfo sensor_;
   OdometryBuffer odometry_;
