@@ -136,6 +136,7 @@ class Bus {
   /// A module tells that `missing` messages of a numbered stream did not arrive.
   void count_gap(const std::string& channel, std::int64_t missing) { inputs_[channel].gaps += missing; }
 
+  bool hears(const std::string& channel) const { return on_any_ || inputs_.count(channel) > 0; }
   /// What LossMeter found.
   void set_lost(const std::string& channel, std::int64_t lost) { inputs_[channel].lost = lost; }
 

@@ -36,14 +36,15 @@ std::vector<std::string> LossMeter::take(const process_status_t& status, Bus& bu
   take_statuses(status, bus);
   std::vector<std::string> more;
   for (const channel_count_t& out : status.outputs) {
+    if (has_many_speakers(out.channel) || !bus.hears(out.channel)) continue;
     const auto in = bus.inputs().find(out.channel);
-    if (has_many_speakers(out.channel) || in == bus.inputs().end()) continue;
+    const std::int64_t received = in == bus.inputs().end() ? 0 : in->second.received;
     Sender& sender = by_channel_[out.channel];
     if (sender.pid != status.pid || out.received < sender.sent) {
-      sender = {status.pid, out.received, in->second.received, 0, sender.lost_before + sender.lost};
+      sender = {status.pid, out.received, received, 0, sender.lost_before + sender.lost, 0};
       continue;
     }
-    const std::int64_t lost = out.received - sender.sent - (in->second.received - sender.received);
+    const std::int64_t lost = out.received - sender.sent - (received - sender.received);
     if (lost > sender.lost) more.push_back(out.channel);
     sender.lost = std::max<std::int64_t>(lost, 0);  // fewer when a STATUS had overtaken what came before it
     bus.set_lost(out.channel, sender.lost_before + sender.lost);

@@ -224,7 +224,7 @@ void StreamRepair::ask(const std::string& channel, Stream& stream, std::int64_t 
 void StreamRepair::tick(std::int64_t now_us) {
   now_us_ = now_us;
   for (auto& [channel, stream] : streams_) {
-    if (stream.tail && now_us - stream.tail_us > kPatience_us) stream.tail = false;
+    if (stream.tail && now_us - stream.tail_us > kPatience_us) stream.tail = stream.kept = false;  // until its speaker is heard again
     if (stream.held.empty()) {
       if (stream.tail && now_us - stream.asked_us > kAskAgain_us) ask(channel, stream, kStillToCome);
       continue;

@@ -42,6 +42,11 @@ void ScanSource::hand_on_ready() {
                                waiting_.back().utime - waiting_.front().utime > kPatience_us ||
                                (!odometry_.empty() && odometry_.newest_utime() > waiting_.front().utime);
     if (!patience_ends) return;
+    if (asked_for_utime_ != waiting_.front().utime) {  // before it goes without: was the newest odometry lost?
+      asked_for_utime_ = waiting_.front().utime;
+      bus_.suspect(channel_);
+      if (bus_.awaits(channel_)) return;
+    }
     ++without_odometry_;
     hand_on(odometry_.newest().value_or(Pose2()));
   }

@@ -43,6 +43,7 @@ class ScanSource {
   SensorInfo sensor_;
   OdometryBuffer odometry_;
   std::deque<Scan> waiting_;
+  std::int64_t asked_for_utime_ = -1;  ///< the scan for which odometry was asked again
   std::int64_t scans_ = 0, without_odometry_ = 0, unusable_ranges_ = 0;
 };
 
