@@ -81,6 +81,8 @@ class Building:
         settled = self.conduct(self.mapping, "settle", "scan_matcher", "graph_optimizer", "loop_detector", "graph_optimizer", "map_builder",
                                "semantic_classifier")
         equal(settled.returncode, 0, f"{settled.stderr}: settling")
+        overrun = sum(host.wire.overrun() for host in (self.sensors, self.mapping, self.desk))
+        check(overrun == 0, f"the test's own switch was too slow for {overrun} packets: is the machine busy?")
         self.drops = sum(self.sensors.wire.dropped[channel] for channel in COUNTED)
         time.sleep(4)  # what got lost of the last words is asked for and told
 

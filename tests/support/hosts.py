@@ -38,7 +38,7 @@ class Host:
     def __init__(self, name, switch, seed):
         Host.count += 1
         self.name, self.number, self.children = name, Host.count, []
-        self.holder = subprocess.Popen(["unshare", "-n", "sleep", "1000"])
+        self.holder = subprocess.Popen(["unshare", "-n", "sleep", "600"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         inner, outer = f"v{self.number}", f"p{self.number}"
         own = os.readlink("/proc/self/ns/net")
         while os.readlink(f"/proc/{self.holder.pid}/ns/net") == own:

@@ -8,10 +8,12 @@ import heapq
 import random
 import select
 import socket
+import struct
 import threading
 import time
 
 ETH_P_ALL, PACKET_OUTGOING = 3, 4
+SOL_PACKET, PACKET_STATISTICS = 263, 6
 LARGEST = 66000
 IP_AT, UDP = 14, 17
 
@@ -27,6 +29,10 @@ class Wire:
         self.random = random.Random(seed)
         self.loss = self.doubled = self.reordered = self.delay_s = self.jitter_s = 0.0
         self.sent, self.dropped = collections.Counter(), collections.Counter()  # by channel
+
+    def overrun(self):
+        """@return how many packets the kernel dropped since the last call because this process was too slow."""
+        return struct.unpack("=II", self.socket.getsockopt(SOL_PACKET, PACKET_STATISTICS, 8))[1]
 
     def fate(self, frame):
         """@return after how many seconds the frame arrives, once for each time that it does."""
