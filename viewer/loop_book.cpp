@@ -27,10 +27,13 @@ void LoopBook::propose(const loop_closure_t& message) {
   ++(good ? proposed_ : refused_);
 }
 
-LoopBook::Change LoopBook::see_edges(const std::map<EdgeId, GraphEdge>& edges) {
+LoopBook::Change LoopBook::see_edges(const std::vector<GraphEdge>& edges) {
   Change change;
+  std::set<EdgeId> in_force;
+  for (const GraphEdge& edge : edges)
+    if (edge.kind == EdgeKind::kLoop) in_force.insert(edge.id);
   for (auto it = accepted_.begin(); it != accepted_.end();) {
-    if (edges.count(it->first)) {
+    if (in_force.count(it->first)) {
       ++it;
       continue;
     }
@@ -39,8 +42,8 @@ LoopBook::Change LoopBook::see_edges(const std::map<EdgeId, GraphEdge>& edges) {
     if (retracted_.size() > kKept) retracted_.pop_front();
     it = accepted_.erase(it);
   }
-  for (const auto& [id, edge] : edges)
-    if (edge.kind == EdgeKind::kLoop && accepted_.insert({id, {edge.from, edge.to}}).second)
+  for (const GraphEdge& edge : edges)
+    if (edge.kind == EdgeKind::kLoop && accepted_.insert({edge.id, {edge.from, edge.to}}).second)
       change.closed.push_back({edge.from, edge.to});
   return change;
 }

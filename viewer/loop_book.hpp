@@ -24,7 +24,7 @@ class LoopBook {
     std::vector<Pair> closed, retracted;
   };
   /// Compares with the edges of the graph as they are now. @return what has changed.
-  Change see_edges(const std::map<EdgeId, GraphEdge>& edges);
+  Change see_edges(const std::vector<GraphEdge>& edges);
   void clear();
 
   std::int64_t proposed() const { return proposed_; }  ///< with a good verdict

@@ -46,6 +46,25 @@ GraphEdge to_edge(const graph_edge_t& message) {
   return edge;
 }
 
+namespace {
+
+std::vector<GraphEdge>::iterator place_of(std::vector<GraphEdge>& edges, EdgeId id) {
+  return std::lower_bound(edges.begin(), edges.end(), id, [](const GraphEdge& edge, EdgeId wanted) { return edge.id < wanted; });
+}
+
+void put(std::vector<GraphEdge>& edges, const GraphEdge& edge) {
+  const auto at = place_of(edges, edge.id);
+  if (at != edges.end() && at->id == edge.id) *at = edge;
+  else edges.insert(at, edge);  // nearly always at the end
+}
+
+void take(std::vector<GraphEdge>& edges, EdgeId id) {
+  const auto at = place_of(edges, id);
+  if (at != edges.end() && at->id == id) edges.erase(at);
+}
+
+}  // namespace
+
 GraphMirror::GraphMirror(Bus& bus, Scans scans) : bus_(bus), scans_(scans) {
   bus.subscribe<graph_node_t>(channel::kNode, [this](const graph_node_t& m) { take_node(m); });
   bus.subscribe<graph_update_t>(channel::kGraph, [this](const graph_update_t& m) { take_update(m); });
@@ -117,8 +136,8 @@ void GraphMirror::apply(const std::vector<graph_update_t>& chunks) {
   std::vector<NodeId> moved;
   if (snapshot) edges_.clear();
   for (const graph_update_t& chunk : chunks) {
-    for (const graph_edge_t& edge : chunk.edges) edges_[edge.id] = to_edge(edge);
-    for (const EdgeId id : chunk.retracted) edges_.erase(id);
+    for (const graph_edge_t& edge : chunk.edges) put(edges_, to_edge(edge));
+    for (const EdgeId id : chunk.retracted) take(edges_, id);
     for (const node_pose_t& pose : chunk.poses) set_pose(pose.id, to_pose(pose.T_map_base), moved);
   }
   if (seq_ != 0 && chunks[0].seq > seq_ + 1) bus_.count_gap(channel::kGraph, chunks[0].seq - seq_ - 1);

@@ -47,7 +47,8 @@ class GraphMirror {
   std::function<void()> on_reset;
 
   const std::vector<MirrorNode>& nodes() const { return nodes_; }
-  const std::map<EdgeId, GraphEdge>& edges() const { return edges_; }
+  /// In force, in order of id.
+  const std::vector<GraphEdge>& edges() const { return edges_; }
   std::int64_t epoch() const { return epoch_; }
   /// Nothing is known to be missing.
   bool complete() const;
@@ -73,7 +74,7 @@ class GraphMirror {
   std::vector<MirrorNode> nodes_;
   std::map<NodeId, MirrorNode> early_nodes_;       ///< arrived before one of their forerunners
   std::map<NodeId, Pose2> early_poses_;            ///< newest pose of nodes that are not here yet
-  std::map<EdgeId, GraphEdge> edges_;
+  std::vector<GraphEdge> edges_;
   std::map<std::pair<std::int64_t, bool>, std::map<int, graph_update_t>> chunks_;  ///< by (seq, snapshot)
   std::int64_t seq_ = 0, newest_seq_ = 0, epoch_ = 0;
   NodeId announced_nodes_ = 0;

@@ -11,7 +11,7 @@ struct MapBuilderConfig {
   static constexpr const char* kTable = "map_builder";
   double resolution_m = 0.05;
   double range_limit_m = 30.0;
-  double publish_s = 1.0;
+  double publish_s = 2.0;
   double redraw_s = 4.0;
   double redraw_m = 0.05;
   double redraw_rad = 0.01;

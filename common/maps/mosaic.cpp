@@ -46,11 +46,20 @@ std::vector<std::uint8_t> unpack_cells(const void* packed, std::size_t size, int
 }
 
 std::vector<std::uint8_t> pack_cells(const std::vector<std::uint8_t>& cells) {
-  uLongf length = compressBound(cells.size());
-  std::vector<std::uint8_t> packed(length);
-  if (compress2(packed.data(), &length, cells.data(), cells.size(), Z_BEST_SPEED) != Z_OK)
-    throw std::runtime_error("zlib cannot pack a tile");
-  packed.resize(length);
+  // A tile is small: the window and tables of the defaults take longer to clear than the tile to pack.
+  constexpr int kWindowBits = 12, kMemLevel = 5;
+  z_stream stream{};
+  if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, kWindowBits, kMemLevel, Z_RLE) != Z_OK)
+    throw std::runtime_error("zlib cannot start");
+  std::vector<std::uint8_t> packed(deflateBound(&stream, cells.size()));
+  stream.next_in = const_cast<Bytef*>(cells.data());
+  stream.avail_in = static_cast<uInt>(cells.size());
+  stream.next_out = packed.data();
+  stream.avail_out = static_cast<uInt>(packed.size());
+  const int status = deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  if (status != Z_STREAM_END) throw std::runtime_error("zlib cannot pack a tile");
   return packed;
 }
 

@@ -62,15 +62,26 @@ void OccupancyMap::draw_beam(const Eigen::Vector2d& from, const Eigen::Vector2d&
   double next_i = d.x() != 0 ? (i + (step_i > 0) - a.x()) / d.x() : huge;
   double next_j = d.y() != 0 ? (j + (step_j > 0) - a.y()) / d.y() : huge;
   int left = std::abs(i_end - i) + std::abs(j_end - j);  // cells still to enter; exact even where rounding is not
-  while (left-- > 0) {
-    cell(i, j).passed += sign;
-    if ((next_i < next_j || j == j_end) && i != i_end) {
-      next_i += delta_i;
-      i += step_i;
-    } else {
-      next_j += delta_j;
-      j += step_j;
-    }
+  while (left > 0) {
+    // Within a tile the cells are steps in memory.
+    Cell* at = &cell(i, j);
+    const int row = step_j * kTileCells;
+    const int tile_i = i >> kTileShift, tile_j = j >> kTileShift;
+    do {
+      at->passed += sign;
+      --left;
+      if ((next_i < next_j || j == j_end) && i != i_end) {
+        next_i += delta_i;
+        i += step_i;
+        at += step_i;
+        if (i >> kTileShift != tile_i) break;
+      } else {
+        next_j += delta_j;
+        j += step_j;
+        at += row;
+        if (j >> kTileShift != tile_j) break;
+      }
+    } while (left > 0);
   }
   Cell& last = cell(i_end, j_end);
   (ends_there ? last.ended : last.passed) += sign;
@@ -99,7 +110,7 @@ std::vector<std::uint8_t> OccupancyMap::render(const TileIndex& index) const {
     const Cell& c = tile->second[k];
     if (c.ended <= 0 && c.passed <= 0) continue;
     const double p = (kEndedWeight * c.ended + 0.5) / (kEndedWeight * c.ended + c.passed + 1.0);
-    out[k] = static_cast<std::uint8_t>(1 + std::lround(254 * std::min(1.0, std::max(0.0, p))));
+    out[k] = static_cast<std::uint8_t>(1.5 + 254 * std::min(1.0, std::max(0.0, p)));
   }
   return out;
 }

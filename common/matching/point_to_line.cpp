@@ -11,48 +11,96 @@ namespace {
 constexpr double kMinCosine = 0.90;  // normals of partners agree to about 25 degrees
 constexpr double kStop_m = 1e-4, kStop_rad = 2e-5;
 constexpr double kSettled_m = 3e-3, kSettled_rad = 1e-3;  // partners still change, the pose hardly does
+constexpr double kKeep_m = 1e-3, kKeep_rad = 3e-4;        // below this step no point changes its partner any more
 constexpr int kDampAfter = 10;                            // iterations; then flickering partners are damped
 
 struct Normal {
-  Eigen::Matrix3d H = Eigen::Matrix3d::Zero(), S = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
-  Eigen::Matrix2d normals = Eigen::Matrix2d::Zero(), normals_seen = normals, normals_matched = normals;
-  double chi2 = 0;
-  int pairs = 0, near = 0, candidates = 0;
 };
 
-/// Sums the normal equations at a pose; `last` also counts the inliers and the spurious information.
-Normal accumulate(const std::vector<OrientedPoint>& points, const SurfaceSource& map, const Pose2& T, double gate_m,
-                  const RefineOptions& options, bool last) {
+/// A point and the surface that it was last seen to lie on.
+struct Pair {
+  const OrientedPoint* point;
+  Surface surface;
+};
+
+/// The points that have a partner at a pose.
+void find_pairs(const std::vector<OrientedPoint>& points, const SurfaceSource& map, const Pose2& T, double gate_m, std::vector<Pair>& pairs) {
+  pairs.clear();
+  const Eigen::Matrix2d R = rotation(T.heading);
+  for (const OrientedPoint& point : points) {
+    if (!point.has_normal()) continue;
+    Pair pair{&point, {}};
+    if (map.nearest_surface(R * point.p + T.translation(), R * point.n, gate_m, kMinCosine, pair.surface)) pairs.push_back(pair);
+  }
+}
+
+/// Residual of a pair and what it weighs.
+struct Residual {
+  Residual(const Pair& pair, const Eigen::Vector2d& Rp, const Pose2& T, const RefineOptions& options)
+      : e(pair.surface.n.dot(pair.surface.p - Rp - T.translation())),
+        v(pair.point->var_m2 + pair.surface.var_m2 + options.model_sigma_m * options.model_sigma_m) {
+    const double ratio = e / options.robust_m;
+    weight = 1.0 / (v * (1.0 + ratio * ratio));
+  }
+  double e, v, weight;
+};
+
+/// d(n' (q - R p - t)) = -n' dt - n' J R p dheading
+Eigen::Vector3d jacobian(const Eigen::Vector2d& n, const Eigen::Vector2d& Rp) {
+  return {-n.x(), -n.y(), n.x() * Rp.y() - n.y() * Rp.x()};
+}
+
+/// Adds weight a a' to the upper triangle.
+void add_outer(Eigen::Matrix3d& sum, double weight, const Eigen::Vector3d& a) {
+  for (int row = 0; row < 3; ++row)
+    for (int column = row; column < 3; ++column) sum(row, column) += weight * a[row] * a[column];
+}
+
+Normal accumulate(const std::vector<Pair>& pairs, const Pose2& T, const RefineOptions& options) {
   Normal sum;
   const Eigen::Matrix2d R = rotation(T.heading);
-  const double model2 = options.model_sigma_m * options.model_sigma_m;
+  for (const Pair& pair : pairs) {
+    const Eigen::Vector2d Rp = R * pair.point->p;
+    const Residual residual(pair, Rp, T, options);
+    const Eigen::Vector3d a = jacobian(pair.surface.n, Rp);
+    add_outer(sum.H, residual.weight, a);
+    sum.g += residual.weight * residual.e * a;
+  }
+  sum.H = sum.H.selfadjointView<Eigen::Upper>();
+  return sum;
+}
+
+/// What the answer is judged by: inliers, spurious information, which way surfaces face.
+struct Account {
+  Eigen::Matrix3d S = Eigen::Matrix3d::Zero();
+  Eigen::Matrix2d normals = Eigen::Matrix2d::Zero(), normals_seen = normals, normals_matched = normals;
+  double chi2 = 0;
+  int near = 0, candidates = 0;
+};
+
+Account give_account(const std::vector<OrientedPoint>& points, const std::vector<Pair>& pairs, const Pose2& T, const RefineOptions& options) {
+  Account sum;
+  const Eigen::Matrix2d R = rotation(T.heading);
   for (const OrientedPoint& point : points) {
     if (!point.has_normal()) continue;
     ++sum.candidates;
-    const Eigen::Vector2d Rp = R * point.p, p = Rp + T.translation(), n_point = R * point.n;
-    if (last) sum.normals_seen += n_point * n_point.transpose();
-    Surface surface;
-    if (!map.nearest_surface(p, n_point, gate_m, kMinCosine, surface)) continue;
-    const double e = surface.n.dot(surface.p - p);
-    const double v = point.var_m2 + surface.var_m2 + model2;
-    const double ratio = e / options.robust_m;
-    const double weight = 1.0 / (v * (1.0 + ratio * ratio));
-    // d(n'(q - Rp - t)) = -n' dt - n' J Rp dheading
-    const Eigen::Vector3d a(-surface.n.x(), -surface.n.y(), surface.n.x() * Rp.y() - surface.n.y() * Rp.x());
-    sum.H += weight * a * a.transpose();
-    sum.g += weight * e * a;
-    ++sum.pairs;
-    if (std::abs(e) < options.gate_end_m) ++sum.near;
-    if (last) {
-      sum.chi2 += e * e / v;
-      sum.normals += surface.n * surface.n.transpose();
-      if (std::abs(e) < 0.5 * options.gate_end_m) sum.normals_matched += n_point * n_point.transpose();
-      const Eigen::Vector2d t(-surface.n.y(), surface.n.x());
-      const Eigen::Vector3d b(-t.x(), -t.y(), t.x() * Rp.y() - t.y() * Rp.x());
-      sum.S += weight * (double{point.var_normal_rad2} / std::max(1, surface.count) + surface.var_normal_rad2) * b * b.transpose();
-    }
+    const Eigen::Vector2d n = R * point.n;
+    sum.normals_seen += n * n.transpose();
   }
+  for (const Pair& pair : pairs) {
+    const OrientedPoint& point = *pair.point;
+    const Surface& surface = pair.surface;
+    const Eigen::Vector2d Rp = R * point.p, n_point = R * point.n, t(-surface.n.y(), surface.n.x());
+    const Residual residual(pair, Rp, T, options);
+    sum.near += std::abs(residual.e) < options.gate_end_m;
+    sum.chi2 += residual.e * residual.e / residual.v;
+    sum.normals += surface.n * surface.n.transpose();
+    if (std::abs(residual.e) < 0.5 * options.gate_end_m) sum.normals_matched += n_point * n_point.transpose();
+    add_outer(sum.S, residual.weight * (double{point.var_normal_rad2} / std::max(1, surface.count) + surface.var_normal_rad2), jacobian(t, Rp));
+  }
+  sum.S = sum.S.selfadjointView<Eigen::Upper>();
   return sum;
 }
 
@@ -62,12 +110,15 @@ RefineResult refine(const std::vector<OrientedPoint>& points, const SurfaceSourc
                     const RefineOptions& options) {
   RefineResult result;
   Pose2 T = guess;
+  std::vector<Pair> pairs;
+  pairs.reserve(points.size());
+  bool settled = false;  // the partners are those of the end
   for (int k = 0; k < options.max_iterations; ++k) {
-    const double shrink = std::pow(0.6, k);
-    const double gate_m = std::max(options.gate_end_m, options.gate_start_m * shrink);
-    const Normal sum = accumulate(points, map, T, gate_m, options, false);
+    const double gate_m = std::max(options.gate_end_m, options.gate_start_m * std::pow(0.6, k));
+    if (!settled) find_pairs(points, map, T, gate_m, pairs);
+    const Normal sum = accumulate(pairs, T, options);
     result.iterations = k + 1;
-    if (sum.pairs < 5) break;
+    if (pairs.size() < 5) break;
     Eigen::Vector3d from_guess = T.vector() - guess.vector();
     from_guess[2] = wrap_angle(from_guess[2]);
     // The prior keeps directions in place that the points say nothing about.
@@ -77,20 +128,23 @@ RefineResult refine(const std::vector<OrientedPoint>& points, const SurfaceSourc
     if (k >= kDampAfter) step *= 0.5;
     T = {T.x + step[0], T.y + step[1], wrap_angle(T.heading + step[2])};
     if (gate_m > options.gate_end_m) continue;
-    result.converged = step.head<2>().norm() < kSettled_m && std::abs(step[2]) < kSettled_rad;
-    if (step.head<2>().norm() < kStop_m && std::abs(step[2]) < kStop_rad) break;
+    const double step_m = step.head<2>().norm(), step_rad = std::abs(step[2]);
+    result.converged = step_m < kSettled_m && step_rad < kSettled_rad;
+    settled = step_m < kKeep_m && step_rad < kKeep_rad;
+    if (step_m < kStop_m && step_rad < kStop_rad) break;
   }
-  const Normal sum = accumulate(points, map, T, options.gate_end_m, options, true);
+  if (!settled) find_pairs(points, map, T, options.gate_end_m, pairs);
+  const Account account = give_account(points, pairs, T, options);
   result.T_map_base = T;
-  result.pairs = sum.pairs;
-  result.overlap = sum.candidates ? static_cast<double>(sum.near) / sum.candidates : 0.0;
-  result.chi2 = sum.pairs > 3 ? sum.chi2 / (sum.pairs - 3) : 0.0;
-  result.spurious = sum.S;
-  result.information = sum.H;
-  result.normals_seen = sum.normals_seen;
-  result.normals_matched = sum.normals_matched;
-  const double half_trace = 0.5 * sum.normals.trace(),
-               spread = std::hypot(0.5 * (sum.normals(0, 0) - sum.normals(1, 1)), sum.normals(0, 1));
+  result.pairs = static_cast<int>(pairs.size());
+  result.overlap = account.candidates ? static_cast<double>(account.near) / account.candidates : 0.0;
+  result.chi2 = result.pairs > 3 ? account.chi2 / (result.pairs - 3) : 0.0;
+  result.spurious = account.S;
+  result.information = accumulate(pairs, T, options).H;
+  result.normals_seen = account.normals_seen;
+  result.normals_matched = account.normals_matched;
+  const double half_trace = 0.5 * account.normals.trace(),
+               spread = std::hypot(0.5 * (account.normals(0, 0) - account.normals(1, 1)), account.normals(0, 1));
   result.normal_ratio = half_trace + spread > 0 ? (half_trace - spread) / (half_trace + spread) : 0.0;
   return result;
 }

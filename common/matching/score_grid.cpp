@@ -8,8 +8,10 @@
 namespace modslam {
 namespace {
 
-constexpr int kLevels = 5;         // level k: blocks of 2^k cells
+constexpr int kLevels = 6;         // level k: blocks of 2^k cells
 constexpr double kApart_m = 0.5, kApart_rad = 0.3;  // from here on a pose is another place than the winner's
+constexpr std::size_t kChunk = 16;   // points summed between two looks at whether it is worth it
+constexpr int kHopeless = -1'000'000'000;
 constexpr int kMargin = 40;        // free cells kept around the walls
 constexpr int kMaxSide = 2400;     // cells; farther points are left out
 
@@ -163,25 +165,36 @@ SearchResult ScoreGrid::search(const std::vector<Eigen::Vector2d>& points_base, 
     const double da = (angle - half_angles) * step_rad / window.prior_sigma_rad;
     return static_cast<int>(std::lround(window.prior_weight * 255 * n_points * (dm * dm + da * da)));
   };
+  // What is surely worse than the guess itself (or than its rivals may be) is not looked at further.
+  const double share = rival_share > 0 ? rival_share : 1.0;
+  int least = static_cast<int>(share * 255 * n_points * score(points_base, guess));
   const auto bound = [&](int level_index, int angle, int i, int j) {
     const Level& level = levels_[static_cast<std::size_t>(level_index)];
-    int sum = 0;
-    for (const Cell& c : cells[static_cast<std::size_t>(angle)])
-      sum += level.at((c.x + i) >> level.shift, (c.y + j) >> level.shift);
-    if (level_index == 0) sum -= penalty(angle, i, j);
+    const std::vector<Cell>& list = cells[static_cast<std::size_t>(angle)];
+    int sum = level_index == 0 ? -penalty(angle, i, j) : 0;
+    for (std::size_t k = 0; k < list.size();) {
+      if (sum + 255 * static_cast<int>(list.size() - k) < least) return kHopeless;
+      for (const std::size_t end = std::min(list.size(), k + kChunk); k < end; ++k)
+        sum += level.at((list[k].x + i) >> level.shift, (list[k].y + j) >> level.shift);
+    }
     return sum;
+  };
+  std::priority_queue<Block> open;
+  const auto push = [&](int level, int angle, int i, int j) {
+    const int value = bound(level, angle, i, j);
+    if (value >= least) open.push({value, level, angle, i, j});
   };
 
   const int top = std::min(top_level(half_cells), static_cast<int>(levels_ready_) - 1);
-  std::priority_queue<Block> open;
   const int stride = 1 << top;
   for (int angle = 0; angle <= 2 * half_angles; ++angle)
     for (int i = -half_cells; i <= half_cells; i += stride)
       for (int j = -half_cells; j <= half_cells; j += stride)
-        open.push({bound(top, angle, i, j), top, angle, i, j});
+        push(top, angle, i, j);
 
   bool found = false;
   Block best{};
+  result.second_score = std::max(0, least) / (255.0 * n_points);  // where nothing comes near
   const double apart_cells2 = (kApart_m / resolution_m_) * (kApart_m / resolution_m_);
   while (!open.empty()) {
     const Block block = open.top();
@@ -201,10 +214,8 @@ SearchResult ScoreGrid::search(const std::vector<Eigen::Vector2d>& points_base, 
         continue;  // all of it is the winner's own surroundings
       const int child = block.level - 1, step = 1 << child, end = 1 << block.level;
       for (int i = block.i; i < block.i + end && i <= half_cells; i += step)
-        for (int j = block.j; j < block.j + end && j <= half_cells; j += step) {
-          const int value = bound(child, block.angle, i, j);
-          open.push({value, child, block.angle, i, j});
-        }
+        for (int j = block.j; j < block.j + end && j <= half_cells; j += step)
+          push(child, block.angle, i, j);
       continue;
     }
     const auto to_score = [&](const Block& leaf) {
@@ -213,6 +224,8 @@ SearchResult ScoreGrid::search(const std::vector<Eigen::Vector2d>& points_base, 
     if (!found) {
       found = true;
       best = block;
+      least = static_cast<int>(share * best.bound);
+      result.second_score = std::max(0, least) / (255.0 * n_points);
       result.T_map_base = {guess.x + block.i * resolution_m_, guess.y + block.j * resolution_m_,
                            wrap_angle(guess.heading + (block.angle - half_angles) * step_rad)};
       result.score = to_score(block);

@@ -81,7 +81,7 @@ class LoopDetectorModule : public Module {
   void look(const MirrorNode& node) {
     if (!detector_.wants_to_look()) return;
     std::vector<const GraphEdge*> edges;
-    for (const auto& [id, edge] : mirror_.edges())
+    for (const GraphEdge& edge : mirror_.edges())
       if (edge.from <= node.id && edge.to <= node.id) edges.push_back(&edge);
     for (const LoopProposal& loop : detector_.detect(edges)) {
       usable_ += is_usable(loop.verdict);

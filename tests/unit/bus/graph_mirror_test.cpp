@@ -68,13 +68,17 @@ struct Pair {
       session.tick();
     }
   }
+  bool has_edge(EdgeId id) const {
+    const auto& edges = mirror->edges();
+    return std::any_of(edges.begin(), edges.end(), [id](const GraphEdge& edge) { return edge.id == id; });
+  }
   bool agree() const {
     const PoseGraph& graph = session.estimator().graph();
     if (mirror->nodes().size() != graph.poses.size() || mirror->edges().size() != graph.edges.size()) return false;
     for (std::size_t k = 0; k < graph.poses.size(); ++k)
       if (distance(mirror->nodes()[k].T_map_base, graph.poses[k]) > 0.003) return false;
     for (const GraphEdge& edge : graph.edges)
-      if (!mirror->edges().count(edge.id)) return false;
+      if (!has_edge(edge.id)) return false;
     return true;
   }
 
@@ -210,7 +214,7 @@ TEST_CASE("garbled graph messages are refused and counted, and leave what is kno
     liar.publish(channel::kGraph, garbled);
     while (pair.mirror_side.poll(0)) {
     }
-    return bad() == before + 1 && pair.mirror->edges().count(100) == 0;
+    return bad() == before + 1 && !pair.has_edge(100);
   };
   REQUIRE(refused([](graph_update_t& m) { m.chunk = 1; }));
   REQUIRE(refused([](graph_update_t& m) { m.nchunks = 0; }));

@@ -29,11 +29,9 @@ loop_closure_t proposal(NodeId from, NodeId to, int verdict) {
 
 TEST_CASE("a loop edge that leaves the graph was taken back, edges along the path are no loops") {
   LoopBook book;
-  std::map<EdgeId, GraphEdge> edges = {{0, edge(0, 0, 1, EdgeKind::kSequence)},
-                                       {1, edge(1, 0, 9, EdgeKind::kLoop)},
-                                       {2, edge(2, 1, 8, EdgeKind::kLoop)}};
+  std::vector<GraphEdge> edges = {edge(0, 0, 1, EdgeKind::kSequence), edge(1, 0, 9, EdgeKind::kLoop), edge(2, 1, 8, EdgeKind::kLoop)};
   CHECK(book.see_edges(edges).closed == std::vector<LoopBook::Pair>{{0, 9}, {1, 8}});
-  edges.erase(1);
+  edges.erase(edges.begin() + 1);
   const LoopBook::Change change = book.see_edges(edges);
   CHECK(change.closed.empty());
   CHECK(change.retracted == std::vector<LoopBook::Pair>{{0, 9}});
