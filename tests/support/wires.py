@@ -12,8 +12,8 @@ import struct
 import threading
 import time
 
-ETH_P_ALL, PACKET_OUTGOING = 3, 4
-SOL_PACKET, PACKET_STATISTICS = 263, 6
+ETH_P_ALL = 3
+SOL_PACKET, PACKET_STATISTICS, PACKET_IGNORE_OUTGOING = 263, 6, 23
 LARGEST = 66000
 IP_AT, UDP = 14, 17
 
@@ -25,6 +25,7 @@ class Wire:
         self.interface = interface
         self.socket = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETH_P_ALL))
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 24)
+        self.socket.setsockopt(SOL_PACKET, PACKET_IGNORE_OUTGOING, 1)
         self.socket.bind((interface, 0))
         self.random = random.Random(seed)
         self.loss = self.doubled = self.reordered = self.delay_s = self.jitter_s = 0.0
@@ -97,8 +98,8 @@ class Switch:
                 self.hand_on(wire, frame)
 
     def take(self, wire):
-        frame, address = wire.socket.recvfrom(LARGEST)
-        if address[2] == PACKET_OUTGOING or len(frame) < 34 or frame[12:14] != b"\x08\x00":
+        frame = wire.socket.recv(LARGEST)
+        if len(frame) < 34 or frame[12:14] != b"\x08\x00":
             return
         if frame[IP_AT + 9] == UDP:
             frame = without_checksum(frame)
