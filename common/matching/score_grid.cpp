@@ -133,110 +133,132 @@ double ScoreGrid::score(const std::vector<Eigen::Vector2d>& points_base, const P
   return sum / (255.0 * static_cast<double>(points_base.size()));
 }
 
+/// Best-first search over the poses of a window.
+class ScoreGrid::Search {
+ public:
+  /// @param least blocks that cannot reach it are not looked at further.
+  Search(const ScoreGrid& grid, const std::vector<Eigen::Vector2d>& points_base, const Pose2& guess, const SearchWindow& window, int least)
+      : grid_(grid), guess_(guess), window_(window), n_points_(static_cast<int>(points_base.size())), least_(least) {
+    half_cells_ = static_cast<int>(std::ceil(window.half_m / grid.resolution_m_));
+    turn(points_base);
+    const int top = std::min(top_level(half_cells_), static_cast<int>(grid.levels_ready_) - 1), stride = 1 << top;
+    for (int angle = 0; angle <= 2 * half_angles_; ++angle)
+      for (int i = -half_cells_; i <= half_cells_; i += stride)
+        for (int j = -half_cells_; j <= half_cells_; j += stride) push(top, angle, i, j);
+  }
+
+  /// The best pose that is well away from all `known` ones. @return false when none reaches what was asked for.
+  bool next(const std::vector<Block>& known, Block& leaf) {
+    while (!open_.empty()) {
+      const Block block = open_.top();
+      open_.pop();
+      if (block.bound < least_) return false;
+      if (is_near(block, known)) continue;
+      if (block.level == 0) {
+        leaf = block;
+        return true;
+      }
+      const int child = block.level - 1, step = 1 << child, end = 1 << block.level;
+      for (int i = block.i; i < block.i + end && i <= half_cells_; i += step)
+        for (int j = block.j; j < block.j + end && j <= half_cells_; j += step) push(child, block.angle, i, j);
+    }
+    return false;
+  }
+
+  void raise(double share, const Block& best) { least_ = static_cast<int>(share * best.bound); }
+  double to_score(int sum) const { return std::max(0, sum) / (255.0 * n_points_); }
+  double least() const { return to_score(least_); }
+
+  SearchResult result(const Block& leaf) const {
+    SearchResult result;
+    result.T_map_base = {guess_.x + leaf.i * grid_.resolution_m_, guess_.y + leaf.j * grid_.resolution_m_,
+                         wrap_angle(guess_.heading + (leaf.angle - half_angles_) * step_rad_)};
+    result.score = to_score(leaf.bound + penalty(leaf.angle, leaf.i, leaf.j));
+    result.at_border = std::abs(leaf.i) == half_cells_ || std::abs(leaf.j) == half_cells_ || std::abs(leaf.angle - half_angles_) == half_angles_;
+    return result;
+  }
+
+ private:
+  /// The points as cells, for every heading. A step of the heading moves the farthest of most points by about a cell.
+  void turn(const std::vector<Eigen::Vector2d>& points_base) {
+    std::vector<double> reach;
+    for (const Eigen::Vector2d& p : points_base) reach.push_back(p.norm());
+    std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * 8 / 10), reach.end());
+    step_rad_ = grid_.resolution_m_ / std::clamp(reach[reach.size() * 8 / 10], 2.0, 15.0);
+    half_angles_ = static_cast<int>(std::ceil(window_.half_rad / step_rad_));
+    cells_.resize(static_cast<std::size_t>(2 * half_angles_ + 1));
+    for (int a = -half_angles_; a <= half_angles_; ++a) {
+      const PointMover turned(Pose2(guess_.x, guess_.y, guess_.heading + a * step_rad_));
+      auto& list = cells_[static_cast<std::size_t>(a + half_angles_)];
+      list.reserve(points_base.size());
+      for (const Eigen::Vector2d& p : points_base) {
+        const Eigen::Vector2d q = (turned * p - grid_.origin_) / grid_.resolution_m_;
+        list.push_back({static_cast<int>(std::floor(q.x())), static_cast<int>(std::floor(q.y()))});
+      }
+    }
+  }
+
+  int penalty(int angle, int i, int j) const {
+    if (window_.prior_weight <= 0) return 0;
+    const double dm = std::hypot(i, j) * grid_.resolution_m_ / window_.prior_sigma_m;
+    const double da = (angle - half_angles_) * step_rad_ / window_.prior_sigma_rad;
+    return static_cast<int>(std::lround(window_.prior_weight * 255 * n_points_ * (dm * dm + da * da)));
+  }
+
+  /// Sum over the points, or kHopeless as soon as it cannot reach what was asked for.
+  int bound(int level_index, int angle, int i, int j) const {
+    const Level& level = grid_.levels_[static_cast<std::size_t>(level_index)];
+    const std::vector<Cell>& list = cells_[static_cast<std::size_t>(angle)];
+    int sum = level_index == 0 ? -penalty(angle, i, j) : 0;
+    for (std::size_t k = 0; k < list.size();) {
+      if (sum + 255 * static_cast<int>(list.size() - k) < least_) return kHopeless;
+      for (const std::size_t end = std::min(list.size(), k + kChunk); k < end; ++k)
+        sum += level.at((list[k].x + i) >> level.shift, (list[k].y + j) >> level.shift);
+    }
+    return sum;
+  }
+
+  void push(int level, int angle, int i, int j) {
+    const int value = bound(level, angle, i, j);
+    if (value >= least_) open_.push({value, level, angle, i, j});
+  }
+
+  /// Whether all of the block lies around a known pose.
+  bool is_near(const Block& block, const std::vector<Block>& known) const {
+    const int last = (1 << block.level) - 1;
+    const double apart_cells = kApart_m / grid_.resolution_m_;
+    return std::any_of(known.begin(), known.end(), [&](const Block& pose) {
+      if (std::abs(std::remainder((block.angle - pose.angle) * step_rad_, 2 * kPi)) > kApart_rad) return false;
+      const int di = std::max(std::abs(block.i - pose.i), std::abs(block.i + last - pose.i));
+      const int dj = std::max(std::abs(block.j - pose.j), std::abs(block.j + last - pose.j));
+      return di * di + dj * dj <= apart_cells * apart_cells;
+    });
+  }
+
+  const ScoreGrid& grid_;
+  Pose2 guess_;
+  SearchWindow window_;
+  int n_points_, least_, half_cells_ = 0, half_angles_ = 0;
+  double step_rad_ = 0;
+  std::vector<std::vector<Cell>> cells_;
+  std::priority_queue<Block> open_;
+};
+
 SearchResult ScoreGrid::search(const std::vector<Eigen::Vector2d>& points_base, const Pose2& guess,
                                const SearchWindow& window, double rival_share) const {
   SearchResult result;
   result.T_map_base = guess;
   if (empty() || points_base.empty()) return result;
-
-  // A step of the heading moves the farthest of most points by about a cell.
-  std::vector<double> reach;
-  for (const Eigen::Vector2d& p : points_base) reach.push_back(p.norm());
-  std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * 8 / 10), reach.end());
-  const double far_m = std::clamp(reach[reach.size() * 8 / 10], 2.0, 15.0);
-  const double step_rad = resolution_m_ / far_m;
-  const int half_angles = static_cast<int>(std::ceil(window.half_rad / step_rad));
-  const int half_cells = static_cast<int>(std::ceil(window.half_m / resolution_m_));
-  const int n_points = static_cast<int>(points_base.size());
-
-  std::vector<std::vector<Cell>> cells(static_cast<std::size_t>(2 * half_angles + 1));
-  for (int a = -half_angles; a <= half_angles; ++a) {
-    const PointMover turned(Pose2(guess.x, guess.y, guess.heading + a * step_rad));
-    auto& list = cells[static_cast<std::size_t>(a + half_angles)];
-    list.reserve(points_base.size());
-    for (const Eigen::Vector2d& p : points_base) {
-      const Eigen::Vector2d q = (turned * p - origin_) / resolution_m_;
-      list.push_back({static_cast<int>(std::floor(q.x())), static_cast<int>(std::floor(q.y()))});
-    }
-  }
-  const auto penalty = [&](int angle, int i, int j) {
-    if (window.prior_weight <= 0) return 0;
-    const double dm = std::hypot(i, j) * resolution_m_ / window.prior_sigma_m;
-    const double da = (angle - half_angles) * step_rad / window.prior_sigma_rad;
-    return static_cast<int>(std::lround(window.prior_weight * 255 * n_points * (dm * dm + da * da)));
-  };
-  // What is surely worse than the guess itself (or than its rivals may be) is not looked at further.
+  // Worse than the guess itself (or than its rivals may be) is of no interest.
   const double share = rival_share > 0 ? rival_share : 1.0;
-  int least = static_cast<int>(share * 255 * n_points * score(points_base, guess));
-  const auto bound = [&](int level_index, int angle, int i, int j) {
-    const Level& level = levels_[static_cast<std::size_t>(level_index)];
-    const std::vector<Cell>& list = cells[static_cast<std::size_t>(angle)];
-    int sum = level_index == 0 ? -penalty(angle, i, j) : 0;
-    for (std::size_t k = 0; k < list.size();) {
-      if (sum + 255 * static_cast<int>(list.size() - k) < least) return kHopeless;
-      for (const std::size_t end = std::min(list.size(), k + kChunk); k < end; ++k)
-        sum += level.at((list[k].x + i) >> level.shift, (list[k].y + j) >> level.shift);
-    }
-    return sum;
-  };
-  std::priority_queue<Block> open;
-  const auto push = [&](int level, int angle, int i, int j) {
-    const int value = bound(level, angle, i, j);
-    if (value >= least) open.push({value, level, angle, i, j});
-  };
-
-  const int top = std::min(top_level(half_cells), static_cast<int>(levels_ready_) - 1);
-  const int stride = 1 << top;
-  for (int angle = 0; angle <= 2 * half_angles; ++angle)
-    for (int i = -half_cells; i <= half_cells; i += stride)
-      for (int j = -half_cells; j <= half_cells; j += stride)
-        push(top, angle, i, j);
-
-  bool found = false;
-  Block best{};
-  result.second_score = std::max(0, least) / (255.0 * n_points);  // where nothing comes near
-  const double apart_cells2 = (kApart_m / resolution_m_) * (kApart_m / resolution_m_);
-  while (!open.empty()) {
-    const Block block = open.top();
-    open.pop();
-    if (found && block.bound < rival_share * best.bound) {
-      result.second_score = std::max(0, block.bound) / (255.0 * n_points);
-      break;  // nothing left that could be called a rival
-    }
-    const auto apart = [&](int i, int j) {
-      return (i - best.i) * (i - best.i) + (j - best.j) * (j - best.j) > apart_cells2 ||
-             std::abs(block.angle - best.angle) * step_rad > kApart_rad;
-    };
-    if (block.level > 0) {
-      const int last = (1 << block.level) - 1;
-      if (found && !apart(block.i, block.j) && !apart(block.i + last, block.j) &&
-          !apart(block.i, block.j + last) && !apart(block.i + last, block.j + last))
-        continue;  // all of it is the winner's own surroundings
-      const int child = block.level - 1, step = 1 << child, end = 1 << block.level;
-      for (int i = block.i; i < block.i + end && i <= half_cells; i += step)
-        for (int j = block.j; j < block.j + end && j <= half_cells; j += step)
-          push(child, block.angle, i, j);
-      continue;
-    }
-    const auto to_score = [&](const Block& leaf) {
-      return (leaf.bound + penalty(leaf.angle, leaf.i, leaf.j)) / (255.0 * n_points);
-    };
-    if (!found) {
-      found = true;
-      best = block;
-      least = static_cast<int>(share * best.bound);
-      result.second_score = std::max(0, least) / (255.0 * n_points);
-      result.T_map_base = {guess.x + block.i * resolution_m_, guess.y + block.j * resolution_m_,
-                           wrap_angle(guess.heading + (block.angle - half_angles) * step_rad)};
-      result.score = to_score(block);
-      result.at_border = std::abs(block.i) == half_cells || std::abs(block.j) == half_cells ||
-                         std::abs(block.angle - half_angles) == half_angles;
-      if (rival_share <= 0) break;
-    } else if (apart(block.i, block.j)) {
-      result.second_score = to_score(block);
-      break;
-    }
-  }
+  Search search(*this, points_base, guess, window,
+                static_cast<int>(share * 255 * static_cast<double>(points_base.size()) * score(points_base, guess)));
+  Block best{}, rival{};
+  if (!search.next({}, best)) return result;
+  result = search.result(best);
+  if (rival_share <= 0) return result;
+  search.raise(rival_share, best);
+  result.second_score = search.next({best}, rival) ? search.result(rival).score : search.least();
   return result;
 }
 

@@ -49,6 +49,7 @@ class ScoreGrid {
   bool empty() const { return levels_.empty() || levels_[0].width == 0; }
 
  private:
+  class Search;
   struct Level {
     int shift = 0;  ///< a cell stands for 2^shift fine cells along a side
     int width = 0, height = 0;
