@@ -2,6 +2,7 @@
 /// procs/localizer — SCAN_MATCH + LASER + SENSOR_INFO (+ SYNC_REQUEST) → POSE, NODE, GRAPH of a saved map that it only reads.
 /// Config: [launch] map, [scan_matcher] (range noise and limit).
 /// Starts without a pose: looks for the robot in the whole map, says nothing until only one place is left, then matches every scan against the map.
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <deque>
 #include <modslam/scan_match_t.hpp>
@@ -17,6 +18,8 @@ namespace modslam {
 namespace {
 
 constexpr std::size_t kScansKept = 10'000;  // that wait for their match
+constexpr double kTrack_m = 0.01, kTrack_rad = 0.005;  // how far the matcher's track errs from one scan to the next
+constexpr double kFarStep_m = 0.3;                     // a match that jumps farther is none
 constexpr int kFailuresBeforeLost = 30;     // scans in a row that fit nowhere near: looks in the whole map again
 
 class LocalizerModule : public Module {
@@ -75,15 +78,18 @@ class LocalizerModule : public Module {
     say(utime, T_track_base, answer);
   }
 
-  void follow(std::int64_t utime, const Pose2& T_track_base, const Relocalizer::Answer& answer) {
-    if (is_usable(answer.verdict)) {
-      failures_ = 0;
-      return say(utime, T_track_base, answer);
-    }
-    if (++failures_ >= kFailuresBeforeLost) return begin_track(track_);
-    Relocalizer::Answer by_track = answer;  // the matcher's own track carries on
-    by_track.T_map_base = T_map_track_ * T_track_base;
-    say(utime, T_track_base, by_track);
+  /// The matcher's own track carries on in directions in which the map says nothing, and altogether while nothing fits.
+  void follow(std::int64_t utime, const Pose2& T_track_base, Relocalizer::Answer answer) {
+    const Pose2 guess = T_map_track_ * T_track_base;
+    const Eigen::Matrix3d by_track = Eigen::Vector3d(1 / (kTrack_m * kTrack_m), 1 / (kTrack_m * kTrack_m), 1 / (kTrack_rad * kTrack_rad)).asDiagonal();
+    Eigen::Vector3d step = answer.T_map_base.vector() - guess.vector();
+    step[2] = wrap_angle(step[2]);
+    const Eigen::Vector3d believed = (answer.information + by_track).ldlt().solve(answer.information * step);
+    const bool fits = is_usable(answer.verdict) && believed.head<2>().norm() < kFarStep_m;
+    failures_ = fits ? 0 : failures_ + 1;
+    if (failures_ >= kFailuresBeforeLost) return begin_track(track_);
+    answer.T_map_base = fits ? Pose2(guess.x + believed[0], guess.y + believed[1], wrap_angle(guess.heading + believed[2])) : guess;
+    say(utime, T_track_base, answer);
   }
 
   void say(std::int64_t utime, const Pose2& T_track_base, const Relocalizer::Answer& answer) {
