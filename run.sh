@@ -24,10 +24,11 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
   ./run.sh live [--out DIR] [--url URL] [--only NAME,NAME]
                                               the same processes with the drivers of config/modslam.toml, until Ctrl-C;
                                               --url and --only: several machines share the work (docs/several-machines.md)
-  ./run.sh replay LOG [--drive] [--speed S] [--out DIR] [--map DIR]
+  ./run.sh replay LOG [--drive] [--speed S] [--out DIR] [--map DIR [--localize-only]]
                                               play an LCM log through the processes with lcm-logplayer;
                                               --drive: with our own player, which the page pauses, steps and slows;
-                                              --map: go on with the graph of an earlier run on the bus
+                                              --map: go on with the graph of an earlier run on the bus;
+                                              --localize-only: find the robot in it, from anywhere, and change nothing
   ./run.sh offline LOG --out DIR              the same in one program, as fast as the machine, same bytes every time
   ./run.sh import FILE OUT.lcm [--laser-x M --laser-y M --laser-yaw RAD]
                                               CARMEN .log/.clf (.gz, .xz) or MRPT .rawlog to an LCM log

@@ -91,13 +91,19 @@ void Transport::subscribe(const std::string& channel, RawHandler on_bytes) {
 void Bus::publish_bytes(const std::string& channel, const void* bytes, int size) {
   ++outputs_[channel].received;
   transport_.publish(channel, bytes, size);
+  if (on_published) on_published(channel, bytes, size);
+}
+
+void Bus::pass_on(const std::string& channel, const void* bytes, int size) {
+  for (const auto& [name, handler] : handlers_)
+    if (name == channel) handler(channel, bytes, size);
+  if (on_any_) on_any_(channel, bytes, size);
 }
 
 void Bus::deliver(const std::string& channel, const void* bytes, int size) {
   delivered_.emplace(channel, std::string(static_cast<const char*>(bytes), static_cast<std::size_t>(size)));
-  for (const auto& [name, handler] : handlers_)
-    if (name == channel) handler(channel, bytes, size);
-  --inputs_[channel].received;  // it did not come over the network
+  note_past(channel, bytes, size);
+  pass_on(channel, bytes, size);
 }
 
 bool Bus::is_echo(const std::string& channel, const void* bytes, int size) {
@@ -105,13 +111,11 @@ bool Bus::is_echo(const std::string& channel, const void* bytes, int size) {
   const auto found = delivered_.find({channel, std::string(static_cast<const char*>(bytes), static_cast<std::size_t>(size))});
   if (found == delivered_.end()) return false;
   delivered_.erase(found);
-  ++inputs_[channel].received;
   return true;
 }
 
 void Bus::receive(const std::string& channel, const std::function<void()>& decode_and_handle) {
   ChannelCount& count = inputs_[channel];
-  ++count.received;
   const auto refuse = [&](const std::string& why) {
     ++count.bad;
     if (on_bad) on_bad(channel, why);

@@ -58,6 +58,30 @@ class Transport {
 /// A module's view of the transport.
 class Bus {
  public:
+  /// Stands before the handlers: may keep a message back and pass it on later, with Bus::pass_on.
+  class Gate {
+   public:
+    virtual ~Gate() = default;
+    /// @return true when the gate keeps it.
+    virtual bool take(const std::string& channel, const void* bytes, int size) = 0;
+    /// A message that came by another way, out of a log.
+    virtual void note(const std::string& channel, const void* bytes, int size) = 0;
+    /// Whether messages on this channel are kept back or asked for.
+    virtual bool awaits(const std::string& channel) const = 0;
+    /// The newest message on this channel may have been lost.
+    virtual void suspect(const std::string& channel) = 0;
+  };
+  void set_gate(Gate* gate) { gate_ = gate; }
+  bool awaits(const std::string& channel) const { return gate_ && gate_->awaits(channel); }
+  void suspect(const std::string& channel) {
+    if (gate_) gate_->suspect(channel);
+  }
+  void note_past(const std::string& channel, const void* bytes, int size) {
+    if (gate_) gate_->note(channel, bytes, size);
+  }
+  void uncount(const std::string& channel) { --inputs_[channel].received; }
+  void pass_on(const std::string& channel, const void* bytes, int size);
+
   Bus(Transport& transport, std::string process_name)
       : transport_(transport), name_(std::move(process_name)) {}
   Bus(const Bus&) = delete;
@@ -75,7 +99,9 @@ class Bus {
     };
     handlers_.emplace_back(channel, handler);
     transport_.subscribe(channel, [this, handler](const std::string& name, const void* bytes, int size) {
-      if (!is_echo(name, bytes, size)) handler(name, bytes, size);
+      ++inputs_[name].received;
+      if (is_echo(name, bytes, size) || (gate_ && gate_->take(name, bytes, size))) return;
+      handler(name, bytes, size);
     });
   }
 
@@ -83,11 +109,12 @@ class Bus {
   void deliver(const std::string& channel, const void* bytes, int size);
   void forget_delivered() { delivered_.clear(); }
 
-  /// Every message on channels that match the regular expression, undecoded.
-  void subscribe_bytes(const std::string& channels, Transport::RawHandler on_bytes) {
-    transport_.subscribe(channels, [this, on_bytes](const std::string& name, const void* bytes, int size) {
+  /// Every message on any channel, undecoded.
+  void subscribe_bytes(Transport::RawHandler on_bytes) {
+    on_any_ = on_bytes;
+    transport_.subscribe(".*", [this, on_bytes](const std::string& name, const void* bytes, int size) {
       ++inputs_[name].received;
-      on_bytes(name, bytes, size);
+      if (!gate_ || !gate_->take(name, bytes, size)) on_bytes(name, bytes, size);
     });
   }
 
@@ -101,9 +128,15 @@ class Bus {
   }
   void publish_bytes(const std::string& channel, const void* bytes, int size);
 
+  /// Says before the first message on a channel that there will be some.
+  void publishes(const std::string& channel) { outputs_[channel]; }
+  /// Called with each message that was published.
+  Transport::RawHandler on_published;
+
   /// A module tells that `missing` messages of a numbered stream did not arrive.
   void count_gap(const std::string& channel, std::int64_t missing) { inputs_[channel].gaps += missing; }
 
+  bool hears(const std::string& channel) const { return on_any_ || inputs_.count(channel) > 0; }
   /// What LossMeter found.
   void set_lost(const std::string& channel, std::int64_t lost) { inputs_[channel].lost = lost; }
 
@@ -128,6 +161,8 @@ class Bus {
   std::string name_;
   std::map<std::string, ChannelCount> inputs_, outputs_;
   std::vector<std::pair<std::string, Transport::RawHandler>> handlers_;
+  Transport::RawHandler on_any_;
+  Gate* gate_ = nullptr;
   std::multiset<std::pair<std::string, std::string>> delivered_;  ///< channel and bytes
   std::vector<std::uint8_t> buffer_;
   std::int64_t utime_ = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/bus/estimator_session.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <modslam/pose_estimate_t.hpp>
 #include <modslam/sync_request_t.hpp>
@@ -35,9 +36,10 @@ std::pair<std::size_t, std::size_t> part(const std::vector<T>& list, std::size_t
 
 }  // namespace
 
-EstimatorSession::EstimatorSession(Bus& bus, const EstimatorConfig& config, const JournalConfig& journal)
-    : bus_(bus), estimator_(config), journal_(journal, bus.name()) {
+EstimatorSession::EstimatorSession(Bus& bus, const EstimatorConfig& config, const JournalConfig& journal, Mode mode)
+    : bus_(bus), estimator_(config), journal_(journal, mode == kOwn ? bus.name() : "graph_optimizer", mode == kOwn ? Journal::kAppend : Journal::kReadOnly) {
   resume();
+  bus.publishes(channel::kPose);
   bus.subscribe<sync_request_t>(channel::kSyncRequest, [this](const sync_request_t& m) {
     if (m.from_node < 0) throw BadMessage("from_node " + std::to_string(m.from_node));
     if (nodes_.empty() || m.requester == bus_.name()) return;
@@ -73,7 +75,21 @@ void EstimatorSession::step(const Scan& scan, const SensorInfo& sensor,
   put(state_.covariance, step.covariance);
   if (step.is_new_node) write_node(scan, sensor, step.node);
   write_changes();
-  write_pose(scan, step, verdict);
+  write_pose(scan.utime, step, verdict);
+  send();
+}
+
+void EstimatorSession::place(std::int64_t utime, const Pose2& T_map_base, const Eigen::Matrix3d& information, Verdict verdict) {
+  const std::vector<Pose2>& poses = estimator_.graph().poses;
+  const auto nearest = std::min_element(poses.begin(), poses.end(), [&](const Pose2& a, const Pose2& b) {
+    return distance(a, T_map_base) < distance(b, T_map_base);
+  });
+  bus_.saw_utime(utime);
+  GraphEstimator::Step step{T_map_base, Eigen::Matrix3d::Zero(), static_cast<NodeId>(nearest - poses.begin()), between(*nearest, T_map_base), false};
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = rotation(-nearest->heading);
+  step.covariance = R * (information + 1e-3 * Eigen::Matrix3d::Identity()).inverse() * R.transpose();
+  write_pose(utime, step, verdict);
   send();
 }
 
@@ -153,9 +169,9 @@ void EstimatorSession::write_node(const Scan& scan, const SensorInfo& sensor, No
   publish_later(channel::kNode, message, true);
 }
 
-void EstimatorSession::write_pose(const Scan& scan, const GraphEstimator::Step& step, Verdict verdict) {
+void EstimatorSession::write_pose(std::int64_t utime, const GraphEstimator::Step& step, Verdict verdict) {
   pose_estimate_t message{};
-  message.utime = scan.utime;
+  message.utime = utime;
   message.seq = state_.pose_seq++;
   message.epoch = estimator_.epoch();
   put(message.T_map_base, step.T_map_base);

@@ -20,7 +20,11 @@ namespace modslam {
 
 class EstimatorSession {
  public:
-  EstimatorSession(Bus& bus, const EstimatorConfig& config, const JournalConfig& journal = {});
+  enum Mode {
+    kOwn,       ///< goes on with this process's journal and writes it
+    kReadOnly,  ///< tells of the graph in the journal of another run's graph_optimizer, which stays as it is
+  };
+  EstimatorSession(Bus& bus, const EstimatorConfig& config, const JournalConfig& journal = {}, Mode mode = kOwn);
 
   /// Where the sources said the robot was at the newest scan: kept in the journal for whoever feeds the session. Set before step().
   estimator_state_t& tracking() { return state_; }
@@ -35,6 +39,8 @@ class EstimatorSession {
   /// One scan further; see GraphEstimator::move.
   void step(const Scan& scan, const SensorInfo& sensor, const std::vector<MotionMeasurement>& measurements,
             Verdict verdict);
+  /// Says where the robot is in the graph as it stands.
+  void place(std::int64_t utime, const Pose2& T_map_base, const Eigen::Matrix3d& information, Verdict verdict);
   LoopFate add_loop(const LoopProposal& proposal);
   /// The input has ended: optimise to convergence and publish what moved.
   void finish();
@@ -43,6 +49,7 @@ class EstimatorSession {
   /// Sends a piece of what was asked for; called often, so that answers do not flood the network.
   void tick();
 
+  const std::vector<graph_node_t>& nodes() const { return nodes_; }
   const GraphEstimator& estimator() const { return estimator_; }
   std::string words() const;
 
@@ -54,7 +61,7 @@ class EstimatorSession {
   template <class Message>
   void publish_later(const char* channel, const Message& message, bool into_journal);
   void write_node(const Scan& scan, const SensorInfo& sensor, NodeId id);
-  void write_pose(const Scan& scan, const GraphEstimator::Step& step, Verdict verdict);
+  void write_pose(std::int64_t utime, const GraphEstimator::Step& step, Verdict verdict);
   void write_changes();
   void write_update(const GraphChanges& changes, bool snapshot);
   /// Completes what was written with the present state in the journal, then sends it.

@@ -13,11 +13,11 @@ std::int64_t wall_clock_us() {
 
 }  // namespace
 
-Journal::Journal(const JournalConfig& config, const std::string& process) {
+Journal::Journal(const JournalConfig& config, const std::string& process, Mode mode) {
   if (config.folder.empty()) return;
   const std::string path = config.folder + "/" + process + ".journal";
   std::error_code error;
-  std::filesystem::create_directories(config.folder, error);
+  if (mode == kAppend) std::filesystem::create_directories(config.folder, error);
   if (std::filesystem::is_regular_file(path, error) && std::filesystem::file_size(path, error) > 0) {
     try {
       LogReader reader(path);
@@ -26,7 +26,7 @@ Journal::Journal(const JournalConfig& config, const std::string& process) {
       past_.clear();  // no whole record in it: killed while it wrote the first
     }
   }
-  writer_ = std::make_unique<LogWriter>(path, LogWriter::kAppend);
+  if (mode == kAppend) writer_ = std::make_unique<LogWriter>(path, LogWriter::kAppend);
 }
 
 void Journal::write(const std::string& channel, const void* bytes, int size) {

@@ -22,9 +22,10 @@ struct JournalConfig {
 
 class Journal {
  public:
+  enum Mode { kAppend, kReadOnly };
   /// Reads what an earlier life of `process` wrote and goes on behind it. An empty folder: keeps nothing.
   /// @throws std::runtime_error when the folder cannot be written.
-  Journal(const JournalConfig& config, const std::string& process);
+  Journal(const JournalConfig& config, const std::string& process, Mode mode = kAppend);
 
   /// What was there at the start, oldest first.
   const std::vector<LogEvent>& past() const { return past_; }

@@ -9,7 +9,8 @@ namespace modslam {
 namespace {
 
 bool has_many_speakers(const std::string& name) {
-  return name == channel::kStatus || name == channel::kParameters || name == channel::kCommand || name == channel::kSyncRequest;
+  return name == channel::kStatus || name == channel::kParameters || name == channel::kCommand || name == channel::kSyncRequest ||
+         name == channel::kRepeat || name == channel::kRepeatRequest;
 }
 
 }  // namespace
@@ -17,10 +18,12 @@ bool has_many_speakers(const std::string& name) {
 /// Everybody speaks on STATUS, but each says who he is.
 void LossMeter::take_statuses(const process_status_t& status, Bus& bus) {
   Sender& sender = statuses_[status.name];
-  ++sender.received;
   for (const channel_count_t& out : status.outputs) {
     if (out.channel != channel::kStatus) continue;  // counts those before this one
-    if (sender.pid != status.pid) sender = {status.pid, out.received, 0, 0, sender.lost_before + sender.lost};
+    if (sender.pid == status.pid && out.received == sender.newest) return;  // the network doubled it
+    ++sender.received;
+    sender.newest = out.received;
+    if (sender.pid != status.pid) sender = {status.pid, out.received, 0, 0, sender.lost_before + sender.lost, out.received};
     sender.lost = std::max(sender.lost, out.received - sender.sent - sender.received);
   }
   if (!bus.inputs().count(channel::kStatus)) return;
@@ -33,19 +36,18 @@ std::vector<std::string> LossMeter::take(const process_status_t& status, Bus& bu
   take_statuses(status, bus);
   std::vector<std::string> more;
   for (const channel_count_t& out : status.outputs) {
+    if (has_many_speakers(out.channel) || !bus.hears(out.channel)) continue;
     const auto in = bus.inputs().find(out.channel);
-    if (has_many_speakers(out.channel) || in == bus.inputs().end()) continue;
+    const std::int64_t received = in == bus.inputs().end() ? 0 : in->second.received;
     Sender& sender = by_channel_[out.channel];
     if (sender.pid != status.pid || out.received < sender.sent) {
-      sender = {status.pid, out.received, in->second.received, 0, sender.lost_before + sender.lost};
+      sender = {status.pid, out.received, received, 0, sender.lost_before + sender.lost, 0};
       continue;
     }
-    const std::int64_t lost = out.received - sender.sent - (in->second.received - sender.received);
-    if (lost > sender.lost) {
-      sender.lost = lost;
-      bus.set_lost(out.channel, sender.lost_before + lost);
-      more.push_back(out.channel);
-    }
+    const std::int64_t lost = out.received - sender.sent - (received - sender.received);
+    if (lost > sender.lost) more.push_back(out.channel);
+    sender.lost = std::max<std::int64_t>(lost, 0);  // fewer when a STATUS had overtaken what came before it
+    bus.set_lost(out.channel, sender.lost_before + sender.lost);
   }
   return more;
 }

@@ -24,6 +24,7 @@ class LossMeter {
     std::int64_t sent = 0, received = 0;  ///< when it was first heard
     std::int64_t lost = 0;                ///< since then
     std::int64_t lost_before = 0;         ///< of its earlier lives
+    std::int64_t newest = -1;             ///< number of its newest STATUS
   };
   void take_statuses(const process_status_t& status, Bus& bus);
 

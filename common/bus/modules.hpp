@@ -11,6 +11,7 @@ std::unique_ptr<Module> make_odometry(Bus&, const SystemConfig&);
 std::unique_ptr<Module> make_ins(Bus&, const SystemConfig&);
 std::unique_ptr<Module> make_scan_matcher(Bus&, const SystemConfig&);
 std::unique_ptr<Module> make_graph_optimizer(Bus&, const SystemConfig&);
+std::unique_ptr<Module> make_localizer(Bus&, const SystemConfig&);
 std::unique_ptr<Module> make_yardstick(Bus&, const SystemConfig&);
 std::unique_ptr<Module> make_loop_detector(Bus&, const SystemConfig&);
 std::unique_ptr<Module> make_map_builder(Bus&, const SystemConfig&);

@@ -23,6 +23,7 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/config.hpp"
 #include "common/bus/loss_meter.hpp"
+#include "common/bus/repeats.hpp"
 
 namespace modslam {
 namespace {
@@ -63,11 +64,17 @@ class Host {
       : config_(load_config(options.config, options.overrides)),
         transport_(options.url),
         bus_(transport_, name),
+        repair_(bus_, [this](const repeat_request_t& request) { bus_.publish(channel::kRepeatRequest, request); }),
         module_(make_module(bus_, config_)),
         status_(bus_, *module_) {
+    bus_.on_published = [this](const std::string& channel, const void* bytes, int size) { kept_.keep(channel, bytes, size); };
     bus_.on_bad = [this](const std::string& channel, const std::string& why) { say_bad(channel, why); };
     bus_.around_handler = [this](const std::function<void()>& handle) { time_handler(handle); };
     transport_.subscribe(channel::kStatus, [this](const std::string&, const void* bytes, int size) { on_status(bytes, size); });
+    bus_.subscribe<repeat_request_t>(channel::kRepeatRequest, [this](const repeat_request_t& m) {
+      for (const repeat_t& answer : kept_.answer(m, steady_us())) bus_.publish(channel::kRepeat, answer);
+    });
+    bus_.subscribe<repeat_t>(channel::kRepeat, [this](const repeat_t& m) { repair_.take(m); });
     bus_.subscribe<command_t>(channel::kCommand, [this](const command_t& m) { on_command(m); });
   }
 
@@ -78,8 +85,9 @@ class Host {
     while (!stop_requested) {
       transport_.poll(5);
       const std::int64_t now_us = steady_us();
+      repair_.tick(now_us);
       module_->tick(now_us);
-      if (finish_by_us_ != 0 && (module_->complete() || now_us > finish_by_us_)) finish();
+      if (finish_by_us_ != 0 && ((module_->complete() && repair_.idle()) || now_us > finish_by_us_)) finish();
       if (delivered_until_us_ != 0 && now_us > delivered_until_us_) {
         bus_.forget_delivered();
         delivered_until_us_ = 0;
@@ -107,7 +115,11 @@ class Host {
     } catch (const std::exception&) {  // a wild array length
       return;
     }
-    for (const std::string& channel : losses_.take(status, bus_)) module_->missed(channel);
+    repair_.take(status);
+    for (const std::string& channel : losses_.take(status, bus_)) {
+      repair_.suspect(channel);
+      module_->missed(channel);
+    }
   }
 
   void on_command(const command_t& command) {
@@ -161,6 +173,8 @@ class Host {
   SystemConfig config_;
   Transport transport_;
   Bus bus_;
+  KeptMessages kept_;
+  StreamRepair repair_;
   std::unique_ptr<Module> module_;
   StatusReporter status_;
   LossMeter losses_;

@@ -14,7 +14,7 @@ constexpr std::size_t kMaxWaiting = 200;
 
 ScanSource::ScanSource(Bus& bus, const std::string& pose_channel,
                        std::function<void(const Scan&, const Pose2&)> on_scan)
-    : bus_(bus), on_scan_(std::move(on_scan)) {
+    : bus_(bus), channel_(pose_channel), on_scan_(std::move(on_scan)) {
   bus.subscribe<sensor_info_t>(channel::kSensorInfo, [this](const sensor_info_t& m) {
     if (m.sensor == channel::kLaser) sensor_ = to_sensor_info(m);
   });
@@ -37,10 +37,16 @@ void ScanSource::hand_on_ready() {
       hand_on(*pose);
       continue;
     }
+    if (bus_.awaits(channel_)) return;  // it is being repaired
     const bool patience_ends = waiting_.size() > kMaxWaiting ||
                                waiting_.back().utime - waiting_.front().utime > kPatience_us ||
                                (!odometry_.empty() && odometry_.newest_utime() > waiting_.front().utime);
     if (!patience_ends) return;
+    if (asked_for_utime_ != waiting_.front().utime) {  // before it goes without: was the newest odometry lost?
+      asked_for_utime_ = waiting_.front().utime;
+      bus_.suspect(channel_);
+      if (bus_.awaits(channel_)) return;
+    }
     ++without_odometry_;
     hand_on(odometry_.newest().value_or(Pose2()));
   }

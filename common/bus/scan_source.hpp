@@ -38,10 +38,12 @@ class ScanSource {
   void hand_on(const Pose2& T_odom_base);
 
   Bus& bus_;
+  std::string channel_;
   std::function<void(const Scan&, const Pose2&)> on_scan_;
   SensorInfo sensor_;
   OdometryBuffer odometry_;
   std::deque<Scan> waiting_;
+  std::int64_t asked_for_utime_ = -1;  ///< the scan for which odometry was asked again
   std::int64_t scans_ = 0, without_odometry_ = 0, unusable_ranges_ = 0;
 };
 

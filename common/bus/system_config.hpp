@@ -25,14 +25,16 @@ namespace modslam {
 struct LaunchConfig {
   static constexpr const char* kTable = "launch";
   std::string estimator = "graph_optimizer";
+  std::string map;
   bool loops = true;
   bool semantics = true;
   bool viewer = true;
   bool lockstep = false;
 
   void visit(ConfigVisitor& v) {
-    v.choice("estimator", estimator, {"graph_optimizer", "odometry", "ground_truth"},
-             "Who estimates the pose: the graph, or one of two yardsticks.");
+    v.choice("estimator", estimator, {"graph_optimizer", "localizer", "odometry", "ground_truth"},
+             "Who estimates the pose: the graph, a saved map, or one of two yardsticks.");
+    v.text("map", map, "Folder of the run whose map the localizer uses; run.sh replay --map DIR --localize-only sets it.");
     v.flag("loops", loops, "Start the loop detector.");
     v.flag("semantics", semantics, "Start the semantic classifier.");
     v.flag("viewer", viewer, "Start the viewer (a web page on 127.0.0.1).");

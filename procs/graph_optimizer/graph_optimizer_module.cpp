@@ -3,6 +3,7 @@
 /// Config: [graph_optimizer], [odometry_model], [scan_matcher] (range noise and limit).
 #include <bot_core/planar_lidar_t.hpp>
 #include <Eigen/LU>
+#include <algorithm>
 #include <bot_core/pose_t.hpp>
 #include <deque>
 #include <modslam/loop_search_t.hpp>
@@ -21,7 +22,7 @@ namespace {
 
 // That wait for their match: a fast player sends some thousand messages ahead of the matcher.
 constexpr std::size_t kScansKept = 10'000;
-constexpr std::int64_t kLockstepPatience_us = 2'000'000;
+constexpr std::int64_t kPatience_us = 2'000'000;
 constexpr std::size_t kUnpaired = 50;  // of the newest, that are looked at when odometry comes
 
 class GraphOptimizerModule : public Module {
@@ -52,7 +53,7 @@ class GraphOptimizerModule : public Module {
   }
 
   void finish() override {
-    lockstep_ = false;
+    lockstep_ = patient_ = false;
     work();
     session_.finish();
     if (polish_) session_.polish({sigma_range_m_, 1e-3}, range_limit_m_);
@@ -61,10 +62,9 @@ class GraphOptimizerModule : public Module {
     session_.tick();
     if (matches_.empty() || worked_) blocked_since_us_ = steady_us;
     worked_ = false;
-    if (steady_us - blocked_since_us_ > kLockstepPatience_us) {  // the loop detector is dead or was never started
-      searched_ = nodes();
-      work();
-    }
+    patient_ = steady_us - blocked_since_us_ <= kPatience_us;  // the loop detector is dead or was never started, or the scan is lost
+    if (!patient_) searched_ = nodes();
+    work();
   }
   bool complete() const override { return matches_.empty(); }
   std::string words() const override { return session_.words(); }
@@ -133,12 +133,21 @@ class GraphOptimizerModule : public Module {
 
   /// In lockstep no match is taken before the newest node was searched for loops: then the player's speed changes nothing.
   void work() {
-    while (!matches_.empty() && (!lockstep_ || searched_ >= nodes() - 1)) {
+    while (!matches_.empty() && (!lockstep_ || searched_ >= nodes() - 1) && !(patient_ && awaits_sources(matches_.front()))) {
       worked_ = true;
       const scan_match_t match = std::move(matches_.front());
       matches_.pop_front();
       on_match(match);
     }
+  }
+
+  /// Whether a part of what belongs to a match was lost on the way and is being repeated.
+  bool awaits_sources(const scan_match_t& match) {
+    const auto scan = std::find_if(scans_.begin(), scans_.end(), [&](const WaitingScan& w) { return w.scan.utime == match.utime; });
+    if (scan != scans_.end())
+      return (!scan->T_odom_base && bus_.awaits(channel::kOdometry)) || (!scan->T_ins_base && bus_.awaits(channel::kIns));
+    bus_.suspect(channel::kLaser);
+    return bus_.awaits(channel::kLaser);
   }
 
   void on_match(const scan_match_t& message) {
@@ -210,7 +219,7 @@ class GraphOptimizerModule : public Module {
 
   Bus& bus_;
   OdometryModelConfig model_;
-  bool lockstep_, worked_ = false;
+  bool lockstep_, worked_ = false, patient_ = true;
   std::deque<scan_match_t> matches_;
   NodeId searched_ = -1;  ///< newest node that was searched for loops
   std::int64_t blocked_since_us_ = 0;

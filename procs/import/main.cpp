@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// procs/import — a CARMEN, Wean or MRPT log → an LCM log with SENSOR_INFO, ODOMETRY, LASER.
+#include <sys/resource.h>
+
 #include <CLI/CLI.hpp>
 #include <iostream>
 
@@ -13,7 +15,16 @@ struct Arguments {
   bool mount_given = false, strict = false;
 };
 
+/// A wild length in a foreign file must end in bad_alloc, not in the machine's memory.
+void limit_memory() {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  const rlimit limit{rlim_t{8} << 30, rlim_t{8} << 30};
+  setrlimit(RLIMIT_DATA, &limit);
+#endif
+}
+
 int import(const Arguments& arguments) {
+  limit_memory();
   modslam::ImportOptions options;
   if (arguments.mount_given)
     options.T_base_laser =

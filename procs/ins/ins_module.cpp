@@ -22,6 +22,7 @@ class InsModule : public Module {
         period_(config_.rate_hz, WorldSimulation::kSteps_per_s),
         ins_(config_.noise, seed_) {
     if (config_.driver != "simulated") return;
+    bus.publishes(channel::kIns);
     states_.emplace(bus, [this](const SimulationState& state, bool anew) { on_state(state, anew); });
   }
 

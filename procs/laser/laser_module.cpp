@@ -27,6 +27,8 @@ class LaserModule : public Module {
     if (config_.driver != "simulated") return;
     obstacles_ =
         std::make_unique<Obstacles>(load_world(config.simulator.world), config.simulator.people);
+    bus.publishes(channel::kLaser);
+    bus.publishes(channel::kSensorInfo);
     states_.emplace(bus, [this](const SimulationState& state, bool) { on_state(state); });
   }
 

@@ -3,7 +3,7 @@
 # Sourced by run.sh: one run. Its folder, its processes under supervisor, its end and its results.
 
 readonly CURRENT=${MODSLAM_CURRENT:-$HOUSE/logs/.current}  # names the folder of the run that is going on
-OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" PLAYER_PID="" ENDED="" BUS=udp BUS_URL="" ONLY="" MAP=""
+OUT="" SPEED=1 OVERRIDES=() SUPERVISOR_PID="" WAITING_PID="" PLAYER_PID="" ENDED="" BUS=udp BUS_URL="" ONLY="" MAP="" LOCALIZE=""
 
 # Options that all runs share; sets OUT, SPEED, CONFIG, OVERRIDES.
 parse_options() {
@@ -15,6 +15,7 @@ parse_options() {
       --config) CONFIG=$(here "${2:?--config: which file?}"); shift 2 ;;
       --url) BUS_URL=${2:?--url: which LCM url?}; shift 2 ;;
       --map) MAP=$(here "${2:?--map: which folder of a run?}"); shift 2 ;;
+      --localize-only) LOCALIZE=yes; shift ;;
       --only) ONLY=${2:?--only: which processes, with commas between?}; shift 2 ;;
       --set) OVERRIDES+=(--set "${2:?--set: table.key=value}"); shift 2 ;;
       *) die "$kind: unknown option '$1'" ;;
@@ -49,7 +50,10 @@ check_log() {
 simulated_sources() { echo "simulator laser odometry ins"; }
 live_sources() { echo "$([[ $(setting laser.driver) == simulated ]] && echo simulator) laser odometry ins"; }
 
-estimator_process() { [[ $(setting launch.estimator) == graph_optimizer ]] && echo graph_optimizer || echo yardstick; }
+estimator_process() {
+  local estimator; estimator=$(setting launch.estimator)
+  case $estimator in graph_optimizer | localizer) echo "$estimator" ;; *) echo yardstick ;; esac
+}
 
 # The processes between the sensors and the person, in the order in which data flows.
 mapping_processes() {
@@ -95,10 +99,16 @@ start_run() {
 }
 
 # --map DIR: goes on with the graph of an earlier run, whose odometry frame is still the robot's. That run's files stay as they are.
+# --localize-only: nothing is added to it, and the robot may start anywhere in it.
 continue_map() {
+  [[ -n $MAP || -z $LOCALIZE ]] || die "--localize-only: in which map? --map DIR"
   [[ -n $MAP ]] || return 0
   [[ -r $MAP/journal/graph_optimizer.journal ]] || die "--map $MAP: holds no journal of a run on the bus (journal/graph_optimizer.journal)"
   [[ $MAP != "$OUT" ]] || die "--map and --out are the same folder: a run does not write over the map that it goes on with"
+  if [[ -n $LOCALIZE ]]; then
+    OVERRIDES+=(--set launch.estimator=localizer --set "launch.map=$MAP" --set launch.lockstep=false)
+    return
+  fi
   mkdir -p "$OUT/journal"
   cp "$MAP/journal/graph_optimizer.journal" "$OUT/journal/"
   [[ ! -r $MAP/journal/loop_detector.journal ]] || cp "$MAP/journal/loop_detector.journal" "$OUT/journal/"

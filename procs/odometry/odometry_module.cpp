@@ -21,6 +21,7 @@ class OdometryModule : public Module {
         period_(config_.rate_hz, WorldSimulation::kSteps_per_s),
         odometry_(odometry_noise(config_.noise), seed_) {
     if (config_.driver != "simulated") return;
+    bus.publishes(channel::kOdometry);
     states_.emplace(bus, [this](const SimulationState& state, bool anew) { on_state(state, anew); });
   }
 

@@ -29,7 +29,7 @@ class RecorderModule : public Module {
   RecorderModule(Bus& bus, const SystemConfig& config) : bus_(bus), path_(config.recorder.path) {
     read_own_log();
     log_ = std::make_unique<LogWriter>(path_, LogWriter::kAppend);
-    bus.subscribe_bytes(".*", [this](const std::string& channel, const void* bytes, int size) { record(channel, bytes, size); });
+    bus.subscribe_bytes([this](const std::string& channel, const void* bytes, int size) { record(channel, bytes, size); });
   }
 
   void tick(std::int64_t steady_us) override {
@@ -51,7 +51,7 @@ class RecorderModule : public Module {
 
  private:
   void record(const std::string& channel, const void* bytes, int size) {
-    if (channel == channel::kSimState || channel == "LCM_SELF_TEST") return;
+    if (channel == channel::kSimState || channel == channel::kRepeat || channel == "LCM_SELF_TEST") return;
     if (channel == channel::kNode) note_node(bytes, size);
     if (channel == channel::kGraph && is_snapshot(bytes, size)) suspicious_ = false;
     if (!trouble_.empty()) return;
@@ -72,6 +72,7 @@ class RecorderModule : public Module {
       LogReader reader(path_);
       for (LogEvent event; reader.next(event);) {
         if (event.channel == channel::kNode) note_node(event.bytes.data(), static_cast<int>(event.bytes.size()));
+        bus_.note_past(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
       }
     } catch (const std::runtime_error&) {  // nothing whole in it yet
     }

@@ -47,7 +47,8 @@ void GraphRecord::take(const graph_update_t& message) {
     throw BadMessage("chunk " + std::to_string(message.chunk) + " of " +
                      std::to_string(message.nchunks));
   check_id(message.nnodes);
-  if (message.seq <= seq_) return;  // the answer to a SYNC_REQUEST
+  const bool repairs = message.snapshot && message.seq == seq_ && missing_updates_ > 0;
+  if (message.seq <= seq_ && !repairs) return;  // the answer to a SYNC_REQUEST
   if (!chunks_.empty() && (chunks_.begin()->second.seq != message.seq ||
                            chunks_.begin()->second.snapshot != message.snapshot))
     chunks_.clear();
@@ -61,8 +62,12 @@ void GraphRecord::take(const graph_update_t& message) {
 
 void GraphRecord::apply(const std::vector<graph_update_t>& chunks) {
   const graph_update_t& head = chunks[0];
-  if (head.snapshot) edges_.clear();
-  if (!head.snapshot) missing_updates_ += head.seq - seq_ - 1;
+  if (head.snapshot) {
+    edges_.clear();
+    missing_updates_ = 0;
+  } else {
+    missing_updates_ += head.seq - seq_ - 1;
+  }
   seq_ = head.seq;
   epoch_ = head.epoch;
   announced_nodes_ = head.nnodes;

@@ -25,6 +25,7 @@ class ScanMatcherModule : public Module {
         matcher_(config.scan_matcher, config.odometry_model),
         source_(bus, channel::kOdometry, [this](const Scan& scan, const Pose2& T_odom_base) { match(scan, T_odom_base); }),
         journal_(config.journal, bus.name()) {
+    bus.publishes(channel::kScanMatch);
     resume();
   }
 

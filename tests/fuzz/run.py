@@ -59,7 +59,8 @@ def fuzz(folder, target, seconds):
                            "-timeout=5", "-rss_limit_mb=3000", "-malloc_limit_mb=2000", f"-artifact_prefix={found}/{target}-", "-print_final_stats=1", "-seed=1"],
                           capture_output=True, text=True, errors="replace", check=False)
     runs = re.search(r"number_of_executed_units: (\d+)", done.stderr)
-    print(f"{'ok' if done.returncode == 0 else 'FAIL'} fuzz {target}: {runs.group(1) if runs else '?'} executions in {seconds} s, nothing found", flush=True)
+    what = "nothing found" if done.returncode == 0 else f"something found: {found}/{target}-*"
+    print(f"{'ok' if done.returncode == 0 else 'FAIL'} fuzz {target}: {runs.group(1) if runs else '?'} executions in {seconds} s, {what}", flush=True)
     if done.returncode != 0:
         print(done.stderr[-3000:])
     return done.returncode == 0

@@ -17,7 +17,7 @@ FOLDERS = ("common", "procs", "viewer", "lcmtypes")
 # Helpers of common/bus that speak for the module that owns one, by the class's name.
 HELPERS = {"GraphMirror": "graph_mirror", "ScanSource": "scan_source", "EstimatorSession": "estimator_session",
            "SimulationStates": "simulation_messages"}
-EVERYBODY_IN, EVERYBODY_OUT = {"COMMAND"}, {"STATUS", "PARAMETERS"}  # the host of a module, common/bus/process.cpp
+EVERYBODY_IN, EVERYBODY_OUT = {"COMMAND", "REPEAT", "REPEAT_REQUEST"}, {"STATUS", "PARAMETERS", "REPEAT", "REPEAT_REQUEST"}  # the host of a module, common/bus/process.cpp
 
 
 def files(*folders, suffixes=SOURCES):

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sensors on one machine, mapping on a second, a viewer and a second recorder on a third, on a network that loses packets.
 
-network_test.py BUILD_DIR [WORD...]; MODSLAM_LOSSES="1 5 10" makes the long version.
+network_test.py BUILD_DIR [WORD...]; the long version: MODSLAM_LOSSES="1 5 10" MODSLAM_NETWORK_SEEDS="1 2 3" and, for the demo's route in real time,
+MODSLAM_NETWORK_ROUTE=demo MODSLAM_NETWORK_SPEED=1.
 """
 import os
 import pathlib
@@ -17,22 +18,24 @@ import system  # noqa: E402
 from system import BIN, HOUSE, Skip, check, equal, test  # noqa: E402
 
 LOSSES = [int(word) for word in os.environ.get("MODSLAM_LOSSES", "10").split()]
+SEEDS = [int(word) for word in os.environ.get("MODSLAM_NETWORK_SEEDS", "1").split()]
 ROUTE = os.environ.get("MODSLAM_NETWORK_ROUTE", "C_bedroom_full")
 SPEED = float(os.environ.get("MODSLAM_NETWORK_SPEED", 6))
 SENSORS, MAPPING = ["laser", "odometry", "ins"], ["scan_matcher", "graph_optimizer", "loop_detector", "map_builder", "semantic_classifier"]
 LATE_WITHIN_S, ERROR_SHARE, COUNT_SHARE = 2.0, 0.10, 0.01
-SLACK_M = 0.025  # at six times real time the cut second is six seconds of driving
+SLACK_M = 0.001  # of a single drive; which loop is found first differs from run to run
+COUNTED = ("LASER", "SENSOR_INFO", "ODOMETRY", "INS", "SIM_STATE", "GROUND_TRUTH", "SIM_INFO", "STATUS")
 URL = "udpm://239.255.76.67:31250?ttl=1&recv_buf_size=4194304"
 
 
 class Building:
     """One drive of the simulated robot over three machines."""
 
-    def __init__(self, name, network):
+    def __init__(self, name, network, seed):
         self.sensors, self.mapping, self.desk = network
         self.folder = system.FOLDER / name
         self.folder.mkdir()
-        self.settings = [f"simulator.route={ROUTE}", f"simulator.speed={SPEED}", "simulator.delay_s=4", "viewer.port=0"]
+        self.settings = [f"simulator.route={ROUTE}", f"simulator.speed={SPEED}", "simulator.delay_s=4", "viewer.port=0", f"simulator.seed={seed}"]
 
     def start(self, host, process, *more):
         words = [BIN / f"modslam-{process.replace('_', '-')}", "--config", HOUSE / "config" / "modslam.toml"]
@@ -51,7 +54,7 @@ class Building:
         self.log(host).parent.mkdir()
         self.start(host, "recorder", f"recorder.path={self.log(host)}")
 
-    def drive(self, loss):
+    def drive(self, loss, disorder):
         self.record(self.mapping)
         for process in MAPPING:
             self.start(self.mapping, process)
@@ -63,21 +66,23 @@ class Building:
         time.sleep(1.2)  # everybody has heard a STATUS of everybody
         self.start(self.sensors, "simulator")
         time.sleep(2.5)
-        if loss:
-            for host in (self.sensors, self.mapping):
-                host.lose(loss)
+        for host in (self.sensors, self.mapping):
+            host.wire.loss = loss / 100
+            if disorder:
+                host.wire.delay_s, host.wire.jitter_s, host.wire.doubled, host.wire.reordered = 0.005, 0.003, 0.01, 0.1
         self.joined_at = self.join_late()
         if loss:
-            self.sensors.lose(100)  # somebody steps on the cable
+            self.sensors.wire.loss = 1.0  # somebody steps on the cable
             time.sleep(1)
-            self.sensors.lose(loss)
+            self.sensors.wire.loss = loss / 100
         ended = self.conduct(self.mapping, "ended", "simulator", seconds=100)
         equal(ended.returncode, 0, f"{ended.stderr}: the drive")
         time.sleep(2.5)  # the last counts are told
         settled = self.conduct(self.mapping, "settle", "scan_matcher", "graph_optimizer", "loop_detector", "graph_optimizer", "map_builder",
                                "semantic_classifier")
         equal(settled.returncode, 0, f"{settled.stderr}: settling")
-        self.drops = self.sensors.dropped() if loss else 0
+        self.overrun = self.sensors.wire.overrun()  # that the switch itself was too slow for, on a busy machine
+        self.drops = sum(self.sensors.wire.dropped[channel] for channel in COUNTED)
         time.sleep(4)  # what got lost of the last words is asked for and told
 
     def join_late(self):
@@ -109,13 +114,13 @@ class Building:
         for _, name, counts in system.status_inputs(self.log(self.mapping)):
             if name == "recorder":
                 newest = counts
-        return sum(counts[2] for channel, counts in newest.items() if channel in ("LASER", "SENSOR_INFO", "ODOMETRY", "INS", "SIM_STATE", "GROUND_TRUTH", "SIM_INFO", "STATUS"))
+        return sum(counts[2] for channel, counts in newest.items() if channel in COUNTED)
 
 
-def drive(loss):
-    with hosts.Network("sensors", "mapping", "desk") as network:
-        building = Building(f"loss{loss}", network)
-        building.drive(loss)
+def drive(loss, seed, disorder=False):
+    with hosts.Network("sensors", "mapping", "desk", seed=seed) as network:
+        building = Building(f"loss{loss}-{seed}{'-disorder' if disorder else ''}", network, seed)
+        building.drive(loss, disorder)
     return building
 
 
@@ -124,25 +129,54 @@ def error_m(summary):
     return summary["error"]["aligned_by_least_squares"]["position_m"]["mean"]
 
 
-@test(f"three machines on a network that loses {LOSSES} % and one second altogether: every machine has the whole graph and map in the end")
-def lossy():
+def same_everywhere(here, there):
+    for key in ("nodes", "edges", "loop_edges"):
+        equal(there["graph"][key], here["graph"][key], f"{key} at the desk and at the mapping machine")
+    equal(there["map"]["tiles"], here["map"]["tiles"], "tiles at the desk and at the mapping machine")
+
+
+def own_network():
     if not os.environ.get("MODSLAM_OWN_NETWORK"):
         raise Skip("network namespaces are not allowed here")
-    calm = drive(0)
-    undisturbed = calm.results(calm.mapping)
+
+
+def lossy_drive(loss, seed):
+    """@return the error of the path."""
+    wild = drive(loss, seed)
+    here, there = wild.results(wild.mapping), wild.results(wild.desk)
+    lost, late = wild.lost_of_sensors(), wild.viewer_complete_after_s()
+    print(f"loss {loss} %, seed {seed}: {wild.drops} messages dropped, {lost} counted; path error {1e3 * error_m(here):.2f} mm; scans "
+          f"{here['scans']}, {here['scans_without_pose']} without a pose; nodes {here['graph']['nodes']}, at the desk {there['graph']['nodes']}; "
+          f"a viewer that came late was complete after {late:.1f} s", flush=True)
+    same_everywhere(here, there)
+    check(abs(lost - wild.drops) <= max(COUNT_SHARE * wild.drops, 3) + wild.overrun, f"{wild.drops} messages were dropped, {lost} counted, {wild.overrun} by the switch")
+    check(late < LATE_WITHIN_S, f"the viewer was complete after {late:.1f} s")
+    return error_m(here)
+
+
+@test(f"three machines on a network that loses {LOSSES} % and one second altogether: no scan is lost, every machine has the whole graph and map in the end, and the path is as good as without")
+def lossy():
+    own_network()
+    undisturbed = []
+    for seed in SEEDS:
+        calm = drive(0, seed)
+        undisturbed.append(error_m(calm.results(calm.mapping)))
+    mean = sum(undisturbed) / len(SEEDS)
+    print(f"undisturbed: path error {1e3 * mean:.2f} mm ({', '.join(f'{1e3 * e:.2f}' for e in undisturbed)})", flush=True)
     for loss in LOSSES:
-        wild = drive(loss)
-        here, there = wild.results(wild.mapping), wild.results(wild.desk)
-        lost, late = wild.lost_of_sensors(), wild.viewer_complete_after_s()
-        print(f"loss {loss} %: {wild.drops} packets dropped, {lost} counted; path error {1e3 * error_m(here):.1f} mm, undisturbed "
-              f"{1e3 * error_m(undisturbed):.1f} mm; nodes {here['graph']['nodes']}, at the desk {there['graph']['nodes']}; "
-              f"a viewer that came late was complete after {late:.1f} s")
-        for key in ("nodes", "edges", "loop_edges"):
-            equal(there["graph"][key], here["graph"][key], f"{key} at the desk and at the mapping machine")
-        equal(there["map"]["tiles"], here["map"]["tiles"], "tiles at the desk and at the mapping machine")
-        check(abs(lost - wild.drops) <= max(COUNT_SHARE * wild.drops, 5), f"{wild.drops} packets were dropped, {lost} counted")
-        check(late < LATE_WITHIN_S, f"the viewer was complete after {late:.1f} s")
-        check(error_m(here) <= error_m(undisturbed) + max(ERROR_SHARE * error_m(undisturbed), SLACK_M), f"path error {error_m(here)} m")
+        error = sum(lossy_drive(loss, seed) for seed in SEEDS) / len(SEEDS)
+        print(f"loss {loss} %: path error {1e3 * error:.2f} mm, {error / mean:.3f} of the undisturbed", flush=True)
+        check(error <= (1 + ERROR_SHARE) * mean + SLACK_M / len(SEEDS), f"path error {error} m, undisturbed {mean} m")
+
+
+@test("packets that come late, twice and in another order change nothing: every scan has its pose, every machine the whole graph and map")
+def disordered():
+    own_network()
+    wild = drive(2, SEEDS[0], disorder=True)
+    here, there = wild.results(wild.mapping), wild.results(wild.desk)
+    print(f"path error {1e3 * error_m(here):.2f} mm, scans {here['scans']}, {here['scans_without_pose']} without a pose")
+    same_everywhere(here, there)
+    equal(here["scans_without_pose"], 0, "scans without a pose")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/bus/repeats.hpp"
+
+#include <bot_core/pose_t.hpp>
+#include <catch2/catch.hpp>
+#include <limits>
+
+using namespace modslam;
+
+namespace {
+
+constexpr std::int64_t kStep_us = 50'000;
+
+std::vector<std::uint8_t> message(std::int64_t utime) {
+  bot_core::pose_t pose{};
+  pose.utime = utime;
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(pose.getEncodedSize()));
+  pose.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+/// A speaker on ODOMETRY and a listener; what the network loses is simply not handed over.
+struct Pair {
+  Pair() {
+    bus.subscribe<bot_core::pose_t>("ODOMETRY", [this](const bot_core::pose_t& m) { heard.push_back(m.utime / kStep_us); });
+    channel_count_t out{};
+    out.channel = "ODOMETRY";
+    process_status_t status{};
+    status.outputs = {out};
+    status.noutputs = 1;
+    repair.take(status);
+  }
+  void say(std::int64_t step, bool arrives = true) {
+    const std::vector<std::uint8_t> bytes = message(step * kStep_us);
+    kept.keep("ODOMETRY", bytes.data(), static_cast<int>(bytes.size()));
+    if (arrives) hear(step);
+  }
+  void hear(std::int64_t step) {
+    const std::vector<std::uint8_t> bytes = message(step * kStep_us);
+    transport.publish("ODOMETRY", bytes.data(), static_cast<int>(bytes.size()));
+    while (transport.poll(0)) {
+    }
+  }
+  /// Lets the speaker answer what was asked, but for every `lost`th answer.
+  void answer(std::int64_t lost = 1'000'000) {
+    const std::vector<repeat_request_t> questions = std::move(asked);
+    asked.clear();
+    for (const repeat_request_t& question : questions)
+      for (const repeat_t& one : kept.answer(question, now_us))
+        if (++answers % lost != 0) repair.take(one);
+  }
+  void wait(std::int64_t us) {
+    for (const std::int64_t end = now_us + us; now_us < end;) repair.tick(now_us += 5'000);
+  }
+  std::int64_t received() const { return bus.inputs().at("ODOMETRY").received; }
+
+  Transport transport{"memq://"};
+  Bus bus{transport, "listener"};
+  std::vector<repeat_request_t> asked;
+  StreamRepair repair{bus, [this](const repeat_request_t& m) { asked.push_back(m); }};
+  KeptMessages kept;
+  std::vector<std::int64_t> heard;
+  std::int64_t now_us = 1, answers = 0;
+};
+
+std::vector<std::int64_t> up_to(std::int64_t last) {
+  std::vector<std::int64_t> all;
+  for (std::int64_t k = 1; k <= last; ++k) all.push_back(k);
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("a stream without a gap passes at once, and after the first few messages nobody asks anything") {
+  Pair pair;
+  for (std::int64_t k = 1; k <= 5; ++k) pair.say(k), pair.answer();
+  for (std::int64_t k = 6; k <= 40; ++k) {
+    pair.say(k);
+    REQUIRE(pair.asked.empty());
+    REQUIRE(pair.heard.back() == k);
+  }
+  REQUIRE(pair.heard == up_to(40));
+}
+
+TEST_CASE("what was lost is repeated and all is handled in order; the loss stays countable") {
+  Pair pair;
+  for (std::int64_t k = 1; k <= 30; ++k) pair.say(k, k < 10 || k % 3 != 0), pair.answer();
+  REQUIRE(pair.heard == up_to(29));
+  REQUIRE(pair.received() == 23);  // over the network itself
+  pair.repair.suspect("ODOMETRY");
+  REQUIRE(pair.bus.awaits("ODOMETRY"));
+  pair.answer();
+  REQUIRE(pair.heard == up_to(30));  // the last one, that no later one told of
+  REQUIRE_FALSE(pair.bus.awaits("ODOMETRY"));
+}
+
+TEST_CASE("answers that get lost too are asked for again, also after a second without any") {
+  Pair pair;
+  for (std::int64_t k = 1; k <= 200; ++k) {
+    pair.say(k, k < 10 || (k > 30 && k % 7 != 0));
+    pair.answer(5);
+    pair.wait(kStep_us);
+  }
+  for (int k = 0; k < 20; ++k) pair.wait(kStep_us), pair.answer(5);
+  REQUIRE(pair.heard == up_to(200));
+}
+
+TEST_CASE("when nobody has a copy what came behind the gap is held back for a second, no longer") {
+  Pair pair;
+  for (std::int64_t k = 1; k <= 10; ++k) pair.say(k), pair.answer();
+  pair.hear(13);
+  pair.hear(14);
+  REQUIRE(pair.heard.back() == 10);
+  pair.wait(900'000);
+  REQUIRE(pair.heard.back() == 10);
+  REQUIRE(pair.asked.size() > 10);
+  pair.wait(200'000);
+  REQUIRE(pair.heard.back() == 14);
+  REQUIRE(pair.bus.inputs().at("ODOMETRY").gaps == 1);
+  REQUIRE(pair.repair.idle());
+}
+
+TEST_CASE("messages that the network doubles or reorders are handled once and in order, and are counted once") {
+  Pair pair;
+  for (std::int64_t k = 1; k <= 10; ++k) pair.say(k), pair.answer();
+  pair.say(11, false), pair.say(12, false), pair.say(13, false);
+  for (const std::int64_t k : {13, 12, 12, 11, 13, 11}) pair.hear(k);
+  REQUIRE(pair.heard == up_to(13));
+  REQUIRE(pair.received() == 13);
+}
+
+TEST_CASE("a pause of the speaker is no loss: one question tells") {
+  Pair pair;
+  for (std::int64_t k = 1; k <= 10; ++k) pair.say(k), pair.answer();
+  pair.say(60);
+  REQUIRE(pair.asked.size() == 1);
+  pair.answer();
+  REQUIRE(pair.heard.back() == 60);
+}
+
+TEST_CASE("without a speaker that keeps copies nothing is held back or asked for, and stamps may step back") {
+  Pair pair;
+  pair.repair.~StreamRepair();
+  new (&pair.repair) StreamRepair(pair.bus, [&](const repeat_request_t& m) { pair.asked.push_back(m); });
+  for (const std::int64_t k : {1, 2, 9, 4, 4, 30}) pair.hear(k);
+  REQUIRE(pair.heard == std::vector<std::int64_t>{1, 2, 9, 4, 4, 30});
+  REQUIRE(pair.asked.empty());
+}
+
+TEST_CASE("the same question of several listeners is answered once") {
+  KeptMessages kept;
+  for (std::int64_t k = 1; k <= 5; ++k) {
+    const std::vector<std::uint8_t> bytes = message(k * kStep_us);
+    kept.keep("ODOMETRY", bytes.data(), static_cast<int>(bytes.size()));
+  }
+  repeat_request_t question{};
+  question.channel = "ODOMETRY";
+  question.after_utime = kStep_us;
+  question.before_utime = 4 * kStep_us;
+  REQUIRE(kept.answer(question, 1'000'000).size() == 3);  // two messages, and that the third of them stands before the fourth
+  REQUIRE(kept.answer(question, 1'001'000).empty());
+  REQUIRE(kept.answer(question, 1'100'000).size() == 3);
+  question.channel = "LASER";
+  REQUIRE(kept.answer(question, 1'100'000).empty());
+}
