@@ -53,7 +53,7 @@ found=$(sed -n 's/.*Found \([0-9]*\) LCM types.*/\1/p' "$work/spy.log")
 echo "ok   spy knows all $types message types"
 
 # Rows stand in the order of names, 16 pixels each.
-channels=(GRAPH GROUND_TRUTH LASER LOOP MAP_TILE NODE POSE SEMANTIC_DOORS SEMANTIC_OBJECTS SEMANTIC_ROOMS SEMANTIC_WALLS SENSOR_INFO STATUS)
+channels=(GRAPH GROUND_TRUTH LASER LOOP MAP_TILE NODE POSE SEMANTIC_DOORS SEMANTIC_OBJECTS SEMANTIC_PLACES SEMANTIC_ROOMS SEMANTIC_WALLS SENSOR_INFO STATUS)
 row_of() {
   local i
   for i in "${!channels[@]}"; do [ "${channels[i]}" != "$1" ] || echo $((31 + 16 * i)); done

@@ -145,6 +145,18 @@ def test_selecting(run):
     run.wait("m.selected === null && document.getElementById('selection').hidden", "Escape lets it go")
 
 
+# Middles of the occupied cells on the left wall.
+CELLS_OF_WALLS = """(() => {
+  const out = [];
+  for (const t of m.state.tiles.values())
+    for (let k = 0; k < t.cells.length; k++) {
+      const x = (t.x * t.ncells + k % t.ncells + 0.5) * t.resolution, y = (t.y * t.ncells + Math.floor(k / t.ncells) + 0.5) * t.resolution;
+      if (t.cells[k] > 200 && m.state.walls.some((w) => w.a[0] === w.b[0] && Math.abs(x - w.a[0]) < 0.05 && (y - w.a[1]) * (y - w.b[1]) < 0)) out.push([x, y]);
+    }
+  return out;
+})()"""
+
+
 def test_layers(run):
     for name in ("path", "graph", "scan", "truth"):
         run.browser.run(f"document.getElementById('layer-{name}').click()")
@@ -159,6 +171,13 @@ def test_layers(run):
     check(run.color_at(13.0, 4.0) != wall, "key 4 takes the walls away")
     run.browser.keys("124")
     check(run.color_at(1.0, 3.0) == filled and run.color_at(13.0, 4.0) == wall, "they come back")
+    run.browser.keys("4c")
+    occupied = run.state(CELLS_OF_WALLS)
+    check(len(occupied) > 50, "walls have occupied cells")
+    shown = [run.color_at(x, y) for x, y in occupied[::len(occupied) // 20]]
+    run.browser.keys("4c")
+    bare = [run.color_at(x, y) for x, y in occupied[::len(occupied) // 20]]
+    check(sum(a != b for a, b in zip(shown, bare)) > 15, "key c shows the occupied cells of walls as contours")
     x, y = run.state("m.state.nodes[2].slice(0, 2)")
     bare = run.color_at(x, y)
     run.browser.keys("o")

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Colours: named ones stand in style.css, light and dark; rooms get theirs from their id.
 
-const NAMES = ['retracted', 'refused', 'unknown', 'free', 'occupied', 'grid', 'ink', 'quiet', 'accent', 'path', 'node', 'loop', 'truth', 'scan',
+const NAMES = ['retracted', 'refused', 'unknown', 'free', 'occupied', 'contour', 'grid', 'ink', 'quiet', 'accent', 'path', 'node', 'loop', 'truth', 'scan',
   'robot', 'wall', 'door-open', 'door-closed', 'door-unknown', 'object', 'halo', 'room', 'corridor', 'doorway'];
 const ROOM_HUES = [172, 42, 262, 96, 12, 212, 318, 66, 240, 140, 28, 290];
 

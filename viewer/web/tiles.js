@@ -3,13 +3,15 @@
 // the number of pictures that a frame is put together from.
 
 const BLOCK_PX = 512, SMALL_PX = 32;  // sides of a block, and of a tile seen from afar
-const blocks = new Map();             // 'side of a tile/x/y' -> {canvas, ctx, palette, drawn}
+const blocksOf = new WeakMap();       // palette -> 'side of a tile/x/y' -> {canvas, ctx, palette, drawn}
 const scratch = document.createElement('canvas');
 
 function blockOf(px, x, y, palette) {
   const key = `${px}/${x}/${y}`;
+  if (!blocksOf.has(palette)) blocksOf.set(palette, new Map());
+  const blocks = blocksOf.get(palette);
   let block = blocks.get(key);
-  if (block?.palette === palette) return block;
+  if (block) return block;
   const canvas = document.createElement('canvas');
   canvas.width = canvas.height = px * tilesABlock(px);
   block = {canvas, ctx: canvas.getContext('2d'), palette, drawn: new Map(), x, y};  // drawn: 'x/y' of a tile -> {tile, cells}
