@@ -17,6 +17,8 @@ constexpr std::size_t kSearchPoints = 100, kBeams = 60;
 constexpr double kMaxWindow_m = 7.0, kMaxWindow_rad = 0.7;
 constexpr double kMaxFreeViolation = 0.25;
 constexpr double kSigmas = 3.0;
+constexpr double kWellKnown_m = 0.10, kFullOverlap = 0.75;
+constexpr double kExpectedInnovation = 11.34;  // chi2, 3 degrees of freedom, 99 %
 constexpr double kMaxSigma_m = 0.03;
 constexpr double kMinShare = 0.02;  // of information: niches of a corridor look alike, and a few of their points fix nothing
 
@@ -159,16 +161,28 @@ LoopProposal LoopDetector::match(const std::vector<Candidate>& pass) const {
   window.prior_weight = 0.01;
   Submap map;
   map.build(affected, kBlur_m, window.half_m);
-  const SearchResult coarse =
-      map.score_grid().search(thin_out(now.points_base, kSearchPoints), now.T_map_base, window, config_.max_ambiguity - 0.02);
   RefineOptions options;
   options.gate_start_m = 0.3;
-  const RefineResult fit = refine(now.points_base, map, coarse.T_map_base, options);
+  const auto innovation = [&](const RefineResult& fit) {
+    const Eigen::Vector3d d = between(now.T_map_base, fit.T_map_base).vector();
+    const Eigen::Matrix3d slack = Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal();
+    return d.dot((cov + slack).ldlt().solve(d));
+  };
+  // Where the graph knows the way well and nearly all of the scan fits there, no other place is in question.
+  MatchFigures& f = proposal.figures;
+  RefineResult fit;
+  const bool is_well_known = position_sigma(cov) < kWellKnown_m;
+  if (is_well_known) fit = refine(now.points_base, map, now.T_map_base, options);
+  f.score = fit.overlap;
+  if (!is_well_known || !fit.converged || fit.overlap < kFullOverlap || innovation(fit) > kExpectedInnovation) {
+    const SearchResult coarse =
+        map.score_grid().search(thin_out(now.points_base, kSearchPoints), now.T_map_base, window, config_.max_ambiguity - 0.02);
+    fit = refine(now.points_base, map, coarse.T_map_base, options);
+    f.score = coarse.score;
+    f.ambiguity = coarse.score > 0 ? coarse.second_score / coarse.score : 1.0;
+  }
   const Observed observed = observed_information(fit, kMaxSigma_m, kMinShare);
 
-  MatchFigures& f = proposal.figures;
-  f.score = coarse.score;
-  f.ambiguity = coarse.score > 0 ? coarse.second_score / coarse.score : 1.0;
   f.overlap = fit.overlap;
   f.chi2 = fit.chi2;
   f.points = fit.pairs;
@@ -180,9 +194,7 @@ LoopProposal LoopDetector::match(const std::vector<Candidate>& pass) const {
   for (std::size_t i = 0; i < now.points_base.size(); i += 5, ++tested)
     blocked += map.is_blocked(eye, to_map * now.points_base[i].p, 0.3);
   f.free_violation = tested ? static_cast<double>(blocked) / tested : 0.0;
-  Eigen::Vector3d d = between(now.T_map_base, fit.T_map_base).vector();
-  const Eigen::Matrix3d slack = Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal();
-  f.innovation = d.dot((cov + slack).ldlt().solve(d));
+  f.innovation = innovation(fit);
 
   proposal.verdict = observed.degenerate ? Verdict::kDegenerate : Verdict::kOk;
   if (f.points < 20 || !fit.converged) proposal.verdict = Verdict::kFailed;
