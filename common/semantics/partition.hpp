@@ -26,7 +26,7 @@ struct PartitionOptions {
   double min_probability = 0.5;
   double min_room_m2 = 1.5;
   double small_m2 = 5.0;
-  double min_walled = 0.25;   ///< share of a small region's outline, openings left out, that lies on walls: between parked cars there are none
+  double min_walled = 0.15;   ///< share of a small region's outline, openings left out, that lies on walls: between parked cars there are none
 };
 
 /// Takes the surest openings first, none that says the same as one before. Regions that are too small to be rooms, or have too little wall

@@ -14,7 +14,7 @@ constexpr double kCorridorWidth_m = 3.2, kCorridorElongation = 4.0;
 constexpr double kReach_m = 0.15;        // the outline lies on what was hit this near
 constexpr double kStrip_m = 0.25, kCounter_m = 1.3, kBulky_m = 3.0, kBulkyLength_m = 4.0;  // of what hides floor, with its shadow
 constexpr double kDoorway_m = 0.3;       // a doorway reaches this far off its cut
-constexpr double kLeastOfBox = 0.65, kLeastOfParking = 0.4, kMostForeign = 0.03, kLeastSeenSide = 0.12;
+constexpr double kLeastOfBox = 0.65, kLeastOfClosedBox = 0.55, kClosed = 0.8, kLeastOfParking = 0.4, kMostForeign = 0.03, kLeastSeenSide = 0.12;
 
 bool is_corridor(const cv::Mat1b& mask, double area_m2, double resolution_m) {
   const double width_m = thickness_m(mask, resolution_m);
@@ -108,10 +108,16 @@ void complete_box(Patch& patch, double least) {
   cv::bitwise_or(patch.mask, filled, patch.mask);
 }
 
+/// Share of its box that a region must fill for the rest to be hidden floor; where nearly all of the outline was hit, furniture may hide more.
+double least_of_box(const Patch& patch, double enclosed) {
+  if (patch.parking) return kLeastOfParking;
+  return enclosed >= kClosed ? kLeastOfClosedBox : kLeastOfBox;
+}
+
 bool make_room(Patch& patch, const RoomOptions& options, Room& room) {
   room.evidence = enclosed_share(patch);
   if (room.evidence < (patch.glimpse ? options.glimpse_enclosed : options.min_enclosed)) return false;
-  complete_box(patch, patch.parking ? kLeastOfParking : kLeastOfBox);
+  complete_box(patch, least_of_box(patch, room.evidence));
   room.outline = outline_of(patch.mask, patch.space, kMinHole_m2, kTolerance_m);
   if (room.outline.size() < 3) return false;
   std::vector<cv::Point> ring;

@@ -112,6 +112,21 @@ TEST_CASE("a cupboard in a room's corner leaves the room its corner") {
   REQUIRE(std::max(rooms[0].area_m2, rooms[1].area_m2) == Approx(5.9 * 6).margin(23.8 * kRim_m));
 }
 
+TEST_CASE("a closed room keeps its box when furniture hides more than a third of it, and not when that is as large as a room") {
+  for (const bool room_sized : {false, true}) {
+    const double length = room_sized ? 9.0 : 5.0, half = room_sized ? 1.8 : 1.3;
+    KnownSpace space = test::unknown_floor(12, 7);
+    test::fill(space, 0.9, 0.9, 1.1 + length, 5.1, test::kSolid);
+    test::fill(space, 1, 1, 1 + length, 5, test::kFree);
+    test::fill(space, 0.4 * length + 1, 3 - half, 1.1 + length, 3 + half, test::kSolid);
+    test::fill(space, 0.4 * length + 1.1, 3 - half + 0.1, 1.1 + length, 2.9 + half, 0);
+    const auto rooms = rooms_of(space);
+    REQUIRE_FALSE(rooms.empty());
+    REQUIRE(contains(rooms[0].outline, {0.4 * length + 2, 3}) != room_sized);
+    if (!room_sized) REQUIRE(rooms[0].area_m2 == Approx(5 * 4).margin(18 * kRim_m + 0.5));
+  }
+}
+
 TEST_CASE("an unexplored rectangle between walls is no room, nor is open floor without walls") {
   TwoRooms plan;
   test::fill(plan.space, 7.1, 1, 11, 7, test::kUnknown);
