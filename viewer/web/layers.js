@@ -11,7 +11,7 @@ export const PLACE_KINDS = ['room', 'corridor', 'doorway'];
 export const LAYERS = [
   {name: 'raster', label: 'Grid map', key: '1', color: 'occupied', draw: drawTiles},
   {name: 'rooms', label: 'Rooms', key: '2', color: 'accent', draw: drawRooms},
-  {name: 'contours', label: 'Static contours', key: 'c', color: 'contour', draw: drawContours, off: true},
+  {name: 'contours', label: 'Contours', key: 'c', color: 'contour', draw: drawContours, off: true},
   {name: 'objects', label: 'Objects', key: '3', color: 'object', draw: drawObjects},
   {name: 'walls', label: 'Walls', key: '4', color: 'wall', draw: drawWalls},
   {name: 'doors', label: 'Doors', key: '5', color: 'door-open', draw: drawDoors},
