@@ -45,6 +45,8 @@ class Transport {
   /// @throws what a handler threw, and std::runtime_error when the connection has failed.
   bool poll(int timeout_ms);
   void publish(const std::string& channel, const void* bytes, int size);
+  /// Whether it delivers everything in order: a hub does, multicast does not.
+  bool is_lossless() const { return lossless_; }
   /// `channel` is a regular expression, as LCM has it. Queue without bound: the handler must be quick.
   void subscribe(const std::string& channel, RawHandler on_bytes);
 
@@ -53,6 +55,7 @@ class Transport {
   std::unique_ptr<lcm::LCM> lcm_;
   std::vector<std::unique_ptr<Sink>> sinks_;
   std::exception_ptr error_;
+  bool lossless_ = false;
 };
 
 /// A module's view of the transport.

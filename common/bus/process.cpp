@@ -115,7 +115,7 @@ class Host {
     } catch (const std::exception&) {  // a wild array length
       return;
     }
-    repair_.take(status);
+    if (!transport_.is_lossless()) repair_.take(status);  // a gap behind a hub is the log's own
     for (const std::string& channel : losses_.take(status, bus_)) {
       repair_.suspect(channel);
       module_->missed(channel);

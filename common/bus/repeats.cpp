@@ -100,6 +100,8 @@ bool StreamRepair::take(const std::string& channel, const void* bytes, int size)
   const std::size_t hash = hash_of(bytes, size);
   if (stream.kept && is_known(channel, stream, utime, hash)) return true;
   see(stream, utime, hash, true);
+  if (utime <= stream.last_utime)
+    while (!stream.held.empty()) pass(channel, stream);  // stamps step back: what waited came before this one
   // Nobody to ask; or stamps that step back, as some logs have them.
   if (!stream.kept || utime <= stream.last_utime || (stream.held.empty() && follows(channel, stream, utime))) {
     went_by(stream, utime);
