@@ -18,6 +18,7 @@ constexpr double kWideWindow_m = 0.8, kWideWindow_rad = 0.9;  // second look at 
 constexpr double kSuspiciousInnovation = 16.27;               // chi2, 3 degrees of freedom, 99.9 %
 constexpr double kExpectedInnovation = 11.34;                 // the same, 99 %
 constexpr double kFullOverlap = 0.75;
+constexpr double kCorridorRatio = 0.05;       // of the normals' moments: one direction hangs on a twentieth of the points
 constexpr int kFailuresBeforeRestart = 8;     // scans in a row before the local map is given up
 
 Eigen::Matrix3d rotate(const Eigen::Matrix3d& matrix, double angle_rad) {
@@ -122,6 +123,7 @@ ScanMatcher::Attempt ScanMatcher::refine_from(const std::vector<OrientedPoint>& 
   to_guess[2] = wrap_angle(to_guess[2]);
   const Eigen::Vector3d back = attempt.observed.unobserved * to_guess;
   T = {T.x + back[0], T.y + back[1], wrap_angle(T.heading + back[2])};
+  ask_landmarks(points, cov_guess, attempt);
 
   MatchFigures& figures = attempt.figures;
   figures.overlap = attempt.fit.overlap;
@@ -133,6 +135,19 @@ ScanMatcher::Attempt ScanMatcher::refine_from(const std::vector<OrientedPoint>& 
   figures.free_violation = free_violation(points, sensor, attempt.fit.T_map_base);
   attempt.verdict = judge(attempt);
   return attempt;
+}
+
+/// A corridor's surfaces say nothing of the way along it; the small things in it may.
+void ScanMatcher::ask_landmarks(const std::vector<OrientedPoint>& points, const Eigen::Matrix3d& cov_guess, Attempt& attempt) const {
+  Observed& observed = attempt.observed;
+  if (!observed.lacks_one_translation()) return;
+  if (!landmarks_ready_) landmarks_.build(keyframe_pointers());
+  landmarks_ready_ = true;
+  const Eigen::Vector2d along(std::cos(observed.degenerate_rad), std::sin(observed.degenerate_rad));
+  Pose2& T = attempt.fit.T_map_base;
+  const LandmarkFit fit = fit_along(points, landmarks_, T, along, std::sqrt(along.dot(cov_guess.topLeftCorner<2, 2>() * along)));
+  T = {T.x + fit.shift_m * along.x(), T.y + fit.shift_m * along.y(), T.heading};
+  observed.information.topLeftCorner<2, 2>() += fit.information * along * along.transpose();
 }
 
 /// The only failures that the thesis's matcher knows: too few pairs, and no end.
@@ -163,8 +178,9 @@ Verdict ScanMatcher::judge(const Attempt& attempt) const {
   if (f.chi2 > config_.max_chi2) return Verdict::kInconsistent;
   // People and chairs move: a few crossed surfaces are excused when nearly all of the scan is in the map.
   if (f.free_violation > config_.max_free_violation * (f.overlap > kFullOverlap ? 2 : 1)) return Verdict::kInconsistent;
-  // Odometry and laser disagree: the laser is believed only when it has no weak direction and fits well.
-  if (f.innovation > kSuspiciousInnovation && f.overlap < 0.5 * (1 + config_.min_overlap) && attempt.observed.degenerate)
+  // Odometry and laser disagree: the laser is believed only where many surfaces speak for it and it fits well.
+  const bool fits_badly = f.overlap < 0.5 * (1 + config_.min_overlap);
+  if (f.innovation > kSuspiciousInnovation && (attempt.observed.degenerate ? fits_badly : f.normal_ratio < kCorridorRatio))
     return Verdict::kInconsistent;
   return attempt.observed.degenerate ? Verdict::kDegenerate : Verdict::kOk;
 }
@@ -204,9 +220,14 @@ void ScanMatcher::add_keyframe(Keyframe keyframe) {
   ++joined_;
   keyframes_.push_back(std::move(keyframe));
   while (static_cast<std::int64_t>(keyframes_.size()) > config_.keyframes) keyframes_.pop_front();
+  submap_.build(keyframe_pointers(), kBlur_m, kWideWindow_m);
+  landmarks_ready_ = false;
+}
+
+std::vector<const Keyframe*> ScanMatcher::keyframe_pointers() const {
   std::vector<const Keyframe*> all;
   for (const Keyframe& keyframe : keyframes_) all.push_back(&keyframe);
-  submap_.build(all, kBlur_m, kWideWindow_m);
+  return all;
 }
 
 }  // namespace modslam

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/config/visitor.hpp"
+#include "common/matching/landmarks.hpp"
 #include "common/matching/submap.hpp"
 #include "common/matching/verdict.hpp"
 #include "common/motion/odometry_model.hpp"
@@ -95,13 +96,17 @@ class ScanMatcher {
   Verdict judge(const Attempt& attempt) const;
   double free_violation(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const Pose2& T) const;
   std::vector<OrientedPoint> points_of(const Scan& scan, const SensorInfo& sensor) const;
+  void ask_landmarks(const std::vector<OrientedPoint>& points, const Eigen::Matrix3d& cov_guess, Attempt& attempt) const;
   void add_keyframe(Keyframe keyframe);
+  std::vector<const Keyframe*> keyframe_pointers() const;
   void update_submap(const std::vector<OrientedPoint>& points, const SensorInfo& sensor, const ScanMatch& match);
 
   ScanMatcherConfig config_;
   OdometryModelConfig odometry_model_;
   std::deque<Keyframe> keyframes_;
   Submap submap_;
+  mutable Landmarks landmarks_;  ///< of the same keyframes; made when a match first asks for them
+  mutable bool landmarks_ready_ = false;
   Pose2 T_track_base_;
   bool started_ = false;
   int failures_ = 0;  ///< in a row

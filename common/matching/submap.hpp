@@ -4,6 +4,7 @@
 #include <deque>
 #include <vector>
 
+#include "common/matching/cell_index.hpp"
 #include "common/matching/oriented_points.hpp"
 #include "common/matching/score_grid.hpp"
 
@@ -48,13 +49,9 @@ class Submap : public SurfaceSource {
 
   /// Made when first asked for: most scans need no search.
   const ScoreGrid& score_grid() const;
-  std::size_t size() const { return points_.size(); }
+  std::size_t size() const { return index_.points().size(); }
 
  private:
-  int cell_of(const Eigen::Vector2d& p) const;
-  /// Visits the points of the cells up to `reach` cells around the one of `p`.
-  template <class Visit>
-  void for_points_around(const Eigen::Vector2d& p, int reach, Visit&& visit) const;
   const Surface& surface_at(std::size_t point) const;
 
   static constexpr double kCell_m = 0.12;
@@ -62,11 +59,8 @@ class Submap : public SurfaceSource {
   mutable bool score_grid_ready_ = false;
   double blur_m_ = 0, widest_m_ = 0;
   std::vector<Eigen::Vector2d> walls_;  ///< all points, with a normal or without
-  std::vector<OrientedPoint> points_;  ///< map frame, ordered by cell
-  mutable std::vector<Surface> surfaces_;  ///< around each point; made when first asked for (count 0: not yet)
-  std::vector<int> cell_start_;        ///< width * height + 1 offsets into points_
-  Eigen::Vector2d origin_{0, 0};
-  int width_ = 0, height_ = 0;
+  CellIndex<OrientedPoint> index_{kCell_m};  ///< points with a normal, map frame
+  mutable std::vector<Surface> surfaces_;  ///< around each point of the index; made when first asked for (count 0: not yet)
 };
 
 }  // namespace modslam

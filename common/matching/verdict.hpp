@@ -2,6 +2,7 @@
 /// @file What a matcher thinks of its own answer, with the figures behind it.
 #pragma once
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 
 #include "common/matching/point_to_line.hpp"
@@ -38,6 +39,10 @@ struct Observed {
   double degenerate_rad = 0;  ///< direction of the weakest translation
   /// Takes a difference of poses to its part in the unobserved directions; zero when all were observed.
   Eigen::Matrix3d unobserved = Eigen::Matrix3d::Zero();
+  /// As in a corridor: heading and one translation are known.
+  bool lacks_one_translation() const {
+    return degenerate && unobserved.topLeftCorner<2, 2>().trace() < 1.1 && std::abs(unobserved(2, 2)) < 0.3;
+  }
 };
 
 /// Splits H - S into observed and unobserved directions; heading is scaled by 3 m so that units agree. A direction is unobserved when

@@ -54,6 +54,17 @@ Plan niched_corridor(RandomStream& random) {
   return plan;
 }
 
+/// Two smooth walls with small things along them: posts and cupboards that stand out by a hand's breadth or two.
+Plan cluttered_corridor(RandomStream& random) {
+  Plan plan = corridor();
+  for (const double side : {-1.25, 1.25})
+    for (double x = -60 + random.uniform(0, 6); x < 60; x += random.uniform(2, 9)) {
+      const double wide = random.uniform(0.05, 0.5), inner = side - std::copysign(random.uniform(0.05, 0.4), side);
+      add_box(plan, x, std::min(side, inner), x + wide, std::max(side, inner));
+    }
+  return plan;
+}
+
 double clearance_m(const Plan& plan, const Eigen::Vector2d& eye) {
   double nearest = 1e9;
   for (int k = 0; k < 36; ++k) nearest = std::min(nearest, cast_ray(plan, eye, k * kPi / 18, 100));
@@ -164,10 +175,11 @@ void wrong_basin(std::uint64_t seed, Failures& failures) {
   }
 }
 
-/// Odometry slips by up to half a metre along a corridor.
+/// Odometry slips by up to half a metre along a corridor, after a way of some metres or at its start.
 void corridor_slide(std::uint64_t seed, Failures& failures) {
   RandomStream random(seed, RandomStreamId::kOdometry);
-  Drive drive(seed % 2 ? corridor() : niched_corridor(random), {0, 0, random.uniform(-0.2, 0.2)}, seed, 4);
+  const Plan plan = seed % 3 == 0 ? corridor() : seed % 3 == 1 ? niched_corridor(random) : cluttered_corridor(random);
+  Drive drive(plan, {0, 0, random.uniform(-0.2, 0.2)}, seed, seed % 2 ? 4 : 40);
   const Pose2 motion(0.1, 0, 0);
   failures.add(drive.step(motion, motion * Pose2(random.uniform(-0.5, 0.5), 0, 0)), motion);
 }
@@ -197,8 +209,9 @@ void spin_beside_wall(std::uint64_t seed, Failures& failures) {
 /// where along the old corridor this would be; wrong is an answer that claims to know it and moves the robot there by more than 0.10 m.
 void two_corridors(std::uint64_t seed, Failures& failures) {
   RandomStream random(seed, RandomStreamId::kOdometry);
-  Drive drive(niched_corridor(random), {0, 0, random.uniform(-0.2, 0.2)}, seed, 4);
-  drive.plan = niched_corridor(random);
+  const auto plan = [&] { return seed % 2 ? niched_corridor(random) : cluttered_corridor(random); };
+  Drive drive(plan(), {0, 0, random.uniform(-0.2, 0.2)}, seed, seed % 4 < 2 ? 4 : 40);
+  drive.plan = plan();
   const Pose2 motion(0.1, 0, 0);
   ScanMatch match = drive.step(motion);
   const Eigen::Vector2d along = rotation(-drive.T_map_base.heading) * Eigen::Vector2d::UnitX();
@@ -231,6 +244,7 @@ int main(int argc, char** argv) {
   };
   honesty_row("furnished rooms", drive_honestly(random_room, drives, 20, 1000));
   honesty_row("corridors with niches", drive_honestly(niched_corridor, drives, 20, 2000));
+  honesty_row("corridors with small things", drive_honestly(cluttered_corridor, drives, 60, 4000));
   honesty_row("bare corridor", drive_honestly([](RandomStream&) { return corridor(); }, drives / 4 + 1, 20, 3000));
 
   table += "\n| injected failure | right | refused | silent |\n|---|---|---|---|\n";

@@ -23,7 +23,7 @@ SYSTEMS = {
     "Pfister + TORO (the thesis)": ["scan_matcher.method=pfister", "graph_optimizer.method=toro", "graph_optimizer.polish=false"],
     "raw odometry": ["launch.estimator=odometry"],
 }
-ROUTES = [("demo", "raised"), ("demo", "official"), ("B_rooms_tight", "raised"), ("B_rooms_tight", "official")]
+ROUTES = [(route, noise) for route in ("A_safe_loop", "demo", "B_rooms_tight") for noise in ("raised", "official")]
 
 
 class Bench:
