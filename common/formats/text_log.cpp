@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "common/formats/tick_log.hpp"
+
 namespace modslam {
 namespace {
 
@@ -57,8 +59,9 @@ void read_parameter(TextFields& fields, Recording& recording) {
   recording.T_base_laser = Pose2(fields.number("robot_frontlaser_offset", 100), 0, 0);
 }
 
-void read_entry(std::string_view line, Recording& recording) {
+void read_entry(std::string_view line, TickLog& ticks, Recording& recording) {
   TextFields fields(line);
+  if (fields.size() > 0 && fields[0].find_first_not_of("0123456789") == std::string_view::npos) return ticks.read(fields, recording);
   const std::string_view kind = fields.word("its first word");
   if (kind == "FLASER") return read_flaser(fields, recording);
   if (kind == "ROBOTLASER1") return read_robotlaser(fields, recording);
@@ -141,12 +144,13 @@ void read_wean_laser(TextFields& fields, Recording& recording) {
 
 Recording read_text_log(std::string_view text) {
   Recording recording;
+  TickLog ticks;
   std::int64_t lines = 0;
   std::string first_words;
   for_each_line(text, [&](std::size_t number, std::string_view line) {
     if (++lines == 1) first_words = std::string(line.substr(0, 40));
     try {
-      read_entry(line, recording);
+      read_entry(line, ticks, recording);
     } catch (const BadLine& bad) {
       recording.complain("line " + std::to_string(number) + " " + bad.what());
     }
@@ -156,7 +160,7 @@ Recording read_text_log(std::string_view text) {
     if (c < ' ' || c > '~') c = '?';
   std::string why = "holds no usable laser sweep in " + std::to_string(lines) +
                     " lines; expected lines that start with FLASER, "
-                    "ROBOTLASER1 or L, and the first is '" +
+                    "ROBOTLASER1, L or a stamp, and the first is '" +
                     first_words + "'";
   if (!recording.complaints.empty()) why += "; " + recording.complaints.front();
   throw std::runtime_error(why);

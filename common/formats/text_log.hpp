@@ -2,7 +2,7 @@
 /// @file Reads laser logs that are text, one entry a line, known by its first word alone.
 ///
 /// CARMEN (metres): FLASER, ROBOTLASER1, ODOM, PARAM robot_frontlaser_offset. Wean (centimetres): L
-/// and O. Source: the format lines that CARMEN writes at the head of its logs.
+/// and O. Lines of numbers alone: wheel ticks and a URG's sweep (tick_log.hpp). Source: the format lines that CARMEN writes at the head of its logs.
 #pragma once
 #include <string_view>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// procs/import — a CARMEN, Wean or MRPT log → an LCM log with SENSOR_INFO, ODOMETRY, LASER.
+/// procs/import — a CARMEN, Wean, CoreSLAM or MRPT log → an LCM log with SENSOR_INFO, ODOMETRY, LASER.
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
@@ -44,7 +44,7 @@ int import(const Arguments& arguments) {
 int main(int argc, char** argv) {
   Arguments arguments;
   CLI::App app(
-      "Makes an LCM log of a CARMEN log (.log, .clf), a Wean log or an MRPT rawlog; .gz and .xz "
+      "Makes an LCM log of a CARMEN log (.log, .clf), a Wean or CoreSLAM log or an MRPT rawlog; .gz and .xz "
       "are unpacked.");
   app.add_option("input", arguments.input, "the foreign log")->required();
   app.add_option("output", arguments.output, "the LCM log to write")->required();
