@@ -84,7 +84,8 @@ replay() {
   local play=play_log
   [[ ${1:-} == --drive ]] && { play=drive_log; shift; }
   parse_run_options replay "$@"
-  OVERRIDES+=(--set launch.lockstep=true)  # the speed of the player changes nothing
+  [[ $play != drive_log ]] || "$BIN/modslam-config" --config "$CONFIG" "${OVERRIDES[@]}" --set "player.speed=$SPEED" >/dev/null || exit 1
+  [[ $(setting launch.loops) != true ]] || OVERRIDES+=(--set launch.lockstep=true)  # the speed of the player changes nothing
   check_log "$log"
   awk "BEGIN {exit !($SPEED > $MOST_UDP_SPEED)}" && BUS=tcp
   start_run ""
