@@ -72,7 +72,10 @@ class Host {
     bus_.around_handler = [this](const std::function<void()>& handle) { time_handler(handle); };
     transport_.subscribe(channel::kStatus, [this](const std::string&, const void* bytes, int size) { on_status(bytes, size); });
     bus_.subscribe<repeat_request_t>(channel::kRepeatRequest, [this](const repeat_request_t& m) {
-      for (const repeat_t& answer : kept_.answer(m, steady_us())) bus_.publish(channel::kRepeat, answer);
+      for (repeat_t& answer : kept_.answer(m, steady_us())) {
+        answer.utime = bus_.utime();
+        bus_.publish(channel::kRepeat, answer);
+      }
     });
     bus_.subscribe<repeat_t>(channel::kRepeat, [this](const repeat_t& m) { repair_.take(m); });
     bus_.subscribe<command_t>(channel::kCommand, [this](const command_t& m) { on_command(m); });
