@@ -128,6 +128,7 @@ class Host {
   void on_command(const command_t& command) {
     if (!command.target.empty() && command.target != bus_.name()) return;
     if (command.verb == "parameters") return publish_parameters();
+    if (command.verb == "status") return status_.publish(state(), true);
     if (command.verb != "finish") throw BadMessage("unknown verb '" + command.verb + "'");
     finish_by_us_ = steady_us() + kFinishPatience_us;
     finished_ = false;

@@ -64,6 +64,11 @@ class Host:
         self.children.append(child)
         return child
 
+    def overrun(self):
+        """@return datagrams that the machine dropped because nobody read them in time."""
+        rows = [line.split() for line in self.sh("cat /proc/net/snmp").splitlines() if line.startswith("Udp:")]
+        return int(dict(zip(*rows))["RcvbufErrors"])
+
     def stop(self):
         for child in self.children:
             child.terminate()
