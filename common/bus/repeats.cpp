@@ -53,7 +53,9 @@ bool is_repeated(const std::string& channel) {
 void KeptMessages::keep(const std::string& channel, const void* bytes, int size) {
   if (!is_repeated(channel)) return;
   std::deque<Copy>& copies = copies_[channel];
-  copies.push_back({place_of(channel, bytes, size), copy(bytes, size)});
+  const std::int64_t place = place_of(channel, bytes, size);
+  if (number_at(channel) && !copies.empty() && place <= copies.back().place) copies.clear();  // numbers begin anew
+  copies.push_back({place, copy(bytes, size)});
   if (copies.size() > kCopies) copies.pop_front();
 }
 
@@ -125,6 +127,7 @@ void StreamRepair::step_back(const std::string& channel, Stream& stream) {
   if (!number_at(channel)) return;
   const Seen newest = stream.seen.back();
   stream.seen = {newest};
+  stream.previous.clear();
 }
 
 void StreamRepair::note(const std::string& channel, const void* bytes, int size) {

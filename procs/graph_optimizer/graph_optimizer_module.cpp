@@ -158,7 +158,8 @@ class GraphOptimizerModule : public Module {
   }
 
   void on_match(const scan_match_t& message) {
-    if (any_ && message.track == track_ && message.seq <= seq_) {  // said twice, or late: its motion is accounted for
+    const bool old_track = message.track != track_ && message.utime <= session_.state().utime;
+    if (any_ && message.seq <= seq_ && (message.track == track_ || old_track)) {  // said twice, or late: its motion is accounted for
       ++repeated_;
       return;
     }

@@ -57,10 +57,10 @@ class Building:
 
     def record(self, host):
         self.log(host).parent.mkdir()
-        self.start(host, "recorder", f"recorder.path={self.log(host)}")
+        return self.start(host, "recorder", f"recorder.path={self.log(host)}")
 
     def drive(self, loss, disorder):
-        self.record(self.mapping)
+        self.recorder = self.record(self.mapping)
         for process in MAPPING:
             self.start(self.mapping, process)
         for process in SENSORS:
@@ -86,7 +86,7 @@ class Building:
         settled = self.conduct(self.mapping, "settle", "scan_matcher", "graph_optimizer", "loop_detector", "graph_optimizer", "map_builder",
                                "semantic_classifier")
         equal(settled.returncode, 0, f"{settled.stderr}: settling")
-        self.overrun = self.sensors.wire.overrun() + self.mapping.overrun()  # that a busy machine dropped, in the switch or behind it
+        self.overrun = self.sensors.wire.overrun() + self.mapping.unread(self.recorder)  # that a busy machine dropped, in the switch or behind it
         self.drops = sum(self.sensors.wire.dropped[channel] for channel in COUNTED)
         time.sleep(4)  # what got lost of the last words is asked for and told
 

@@ -64,10 +64,11 @@ class Host:
         self.children.append(child)
         return child
 
-    def overrun(self):
-        """@return datagrams that the machine dropped because nobody read them in time."""
-        rows = [line.split() for line in self.sh("cat /proc/net/snmp").splitlines() if line.startswith("Udp:")]
-        return int(dict(zip(*rows))["RcvbufErrors"])
+    def unread(self, child):
+        """@return datagrams that the machine dropped because this process did not read them in time."""
+        own = {os.readlink(f"/proc/{child.pid}/fd/{fd}") for fd in os.listdir(f"/proc/{child.pid}/fd")}
+        rows = [line.split() for line in self.sh("cat /proc/net/udp").splitlines()[1:]]
+        return sum(int(row[12]) for row in rows if f"socket:[{row[9]}]" in own)
 
     def stop(self):
         for child in self.children:

@@ -163,7 +163,7 @@ TEST_CASE("a stream whose times step back again and again is passed on as it com
   }
 }
 
-TEST_CASE("matches are put in order by their numbers, whatever their times, also when a new track begins at 0") {
+TEST_CASE("matches are put in order by their numbers, whatever their times, also when a matcher without a memory begins again at 0") {
   Transport transport("memq://");
   Bus bus(transport, "listener");
   std::vector<repeat_request_t> asked;
