@@ -14,6 +14,7 @@ source procs/launch/network.sh  # port, multicast route
 source procs/launch/semantics.sh  # annotate, train; the bench of the semantic map
 source procs/launch/run.sh      # one run: folder, processes under supervisor, results
 source procs/launch/bench.sh    # bench NAME
+source procs/launch/sanitize.sh # test --sanitize
 
 help() {
   cat <<'TXT'
@@ -21,6 +22,8 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
 
   ./run.sh demo [--out DIR] [--set T.K=V]...  drive the simulated Apartment, map it, show what was found
   ./run.sh test [--verbose] [NAME]...         everything that must hold, or some suites of it
+  ./run.sh test --sanitize address|thread|debug [LOG...]
+                                              unit tests and offline runs, built with checks into a folder of their own
   ./run.sh live [--out DIR] [--url URL] [--only NAME,NAME]
                                               the same processes with the drivers of config/modslam.toml, until Ctrl-C;
                                               --url and --only: several machines share the work (docs/several-machines.md)
@@ -84,7 +87,8 @@ replay() {
   local play=play_log
   [[ ${1:-} == --drive ]] && { play=drive_log; shift; }
   parse_run_options replay "$@"
-  OVERRIDES+=(--set launch.lockstep=true)  # the speed of the player changes nothing
+  [[ $play != drive_log ]] || "$BIN/modslam-config" --config "$CONFIG" "${OVERRIDES[@]}" --set "player.speed=$SPEED" >/dev/null || exit 1
+  [[ $(setting launch.loops) != true ]] || OVERRIDES+=(--set launch.lockstep=true)  # the speed of the player changes nothing
   check_log "$log"
   awk "BEGIN {exit !($SPEED > $MOST_UDP_SPEED)}" && BUS=tcp
   start_run ""
@@ -148,7 +152,7 @@ main() {
     help | -h | --help) help ;;
     stop) stop ;;
     build) ensure_built all ;;
-    test) ensure_built all; run_tests "$@" ;;
+    test) if [[ ${1:-} == --sanitize ]]; then shift; sanitize "$@"; else ensure_built all; run_tests "$@"; fi ;;
     bench) bench "$@" ;;
     demo | live | replay | offline | simulate | annotate | train | evaluate | optimize | report | record | ask | spy | view | status | doctor) ensure_built programs; "$verb" "$@" ;;
     import) ensure_built programs; import_log "$@" ;;

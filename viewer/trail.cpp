@@ -22,9 +22,16 @@ void Trail::clear() {
   changed_.clear();
 }
 
+void Trail::halve() {
+  for (std::size_t piece = 0; piece * kPiece < triples_.size(); ++piece) changed_.insert(piece);
+  for (std::size_t k = 0; 2 * k < triples_.size(); ++k) triples_[k] = triples_[2 * k];
+  triples_.resize((triples_.size() + 1) / 2);
+}
+
 void Trail::flush(Hub& hub, std::int64_t utime) {
   for (const std::size_t piece : changed_) {
-    const auto begin = triples_.begin() + static_cast<std::ptrdiff_t>(piece * kPiece);
+    const auto begin = triples_.begin() +
+                       static_cast<std::ptrdiff_t>(std::min(triples_.size(), piece * kPiece));  // an empty piece: there are fewer now
     const auto end = triples_.begin() +
                      static_cast<std::ptrdiff_t>(std::min(triples_.size(), (piece + 1) * kPiece));
     hub.publish_kept(name_ + "/" + std::to_string(piece), utime,

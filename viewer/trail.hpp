@@ -16,7 +16,7 @@ using Triple = std::array<double, 3>;
 inline Triple triple(const Pose2& pose) { return {pose.x, pose.y, pose.heading}; }
 
 /// Triples 0, 1, 2, ... of stream `name`; piece k holds numbers k * kPiece and following, as stream
-/// "name/k".
+/// "name/k"; one that is not full is the last.
 class Trail {
  public:
   static constexpr std::size_t kPiece = 256;
@@ -27,6 +27,8 @@ class Trail {
   void set(std::size_t index, const Triple& triple);
   void append(const Triple& triple) { set(triples_.size(), triple); }
   void clear();
+  /// Drops every second one.
+  void halve();
   /// Publishes the pieces that changed since the last call, as of message time `utime`.
   void flush(Hub& hub, std::int64_t utime);
   const std::vector<Triple>& triples() const { return triples_; }

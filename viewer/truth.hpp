@@ -26,6 +26,7 @@ class Truth {
 
   std::deque<TimedPose> recent_;  ///< newest last
   std::optional<Pose2> T_map_world_, last_;
+  double step_m_ = 0.05;  ///< between points of the trail; doubles when there are too many: a long run is kept whole, only coarser
   Trail trail_{"truth"};
 };
 

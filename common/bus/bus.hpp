@@ -79,6 +79,8 @@ class Bus {
   void suspect(const std::string& channel) {
     if (gate_) gate_->suspect(channel);
   }
+  /// What somebody else has heard still comes: a message may overtake another speaker's, but none is lost.
+  bool is_lossless() const { return transport_.is_lossless(); }
   void note_past(const std::string& channel, const void* bytes, int size) {
     if (gate_) gate_->note(channel, bytes, size);
   }

@@ -72,7 +72,10 @@ class Host {
     bus_.around_handler = [this](const std::function<void()>& handle) { time_handler(handle); };
     transport_.subscribe(channel::kStatus, [this](const std::string&, const void* bytes, int size) { on_status(bytes, size); });
     bus_.subscribe<repeat_request_t>(channel::kRepeatRequest, [this](const repeat_request_t& m) {
-      for (const repeat_t& answer : kept_.answer(m, steady_us())) bus_.publish(channel::kRepeat, answer);
+      for (repeat_t& answer : kept_.answer(m, steady_us())) {
+        answer.utime = bus_.utime();
+        bus_.publish(channel::kRepeat, answer);
+      }
     });
     bus_.subscribe<repeat_t>(channel::kRepeat, [this](const repeat_t& m) { repair_.take(m); });
     bus_.subscribe<command_t>(channel::kCommand, [this](const command_t& m) { on_command(m); });
@@ -125,6 +128,7 @@ class Host {
   void on_command(const command_t& command) {
     if (!command.target.empty() && command.target != bus_.name()) return;
     if (command.verb == "parameters") return publish_parameters();
+    if (command.verb == "status") return status_.publish(state(), true);
     if (command.verb != "finish") throw BadMessage("unknown verb '" + command.verb + "'");
     finish_by_us_ = steady_us() + kFinishPatience_us;
     finished_ = false;

@@ -14,15 +14,22 @@ constexpr std::size_t kCopies = 1000;             // of a channel: eight seconds
 constexpr std::size_t kCopiesAnswered = 100;      // at once; whoever lacks more asks again
 constexpr std::int64_t kSameQuestion_us = 15'000;
 constexpr std::int64_t kAskAgain_us = 40'000, kPatience_us = 1'000'000;
+constexpr int kAsTheyCome = 200;
 constexpr std::size_t kSteps = 15, kSeen = 500, kHeld = 2000;
 constexpr double kLongStep = 1.6;                 // times the usual one
 constexpr std::int64_t kStillToCome = std::numeric_limits<std::int64_t>::max();
 
-/// Behind the type's fingerprint stands the time.
-std::int64_t utime_of(const void* bytes, int size) {
+/// Where the number stands in messages that have one; behind the type's fingerprint stands the time.
+int number_at(const std::string& channel) {
+  if (channel == channel::kScanMatch) return 24;  // utime, utime_from, seq
+  return channel == channel::kPose ? 16 : 0;      // utime, seq
+}
+
+std::int64_t place_of(const std::string& channel, const void* bytes, int size) {
+  const int at = std::max(8, number_at(channel));
   std::uint64_t value = 0;
-  if (size < 16) return -1;
-  for (int k = 8; k < 16; ++k) value = value << 8 | static_cast<const unsigned char*>(bytes)[k];
+  if (size < at + 8) return -1;
+  for (int k = at; k < at + 8; ++k) value = value << 8 | static_cast<const unsigned char*>(bytes)[k];
   return static_cast<std::int64_t>(value);
 }
 
@@ -46,7 +53,9 @@ bool is_repeated(const std::string& channel) {
 void KeptMessages::keep(const std::string& channel, const void* bytes, int size) {
   if (!is_repeated(channel)) return;
   std::deque<Copy>& copies = copies_[channel];
-  copies.push_back({utime_of(bytes, size), copy(bytes, size)});
+  const std::int64_t place = place_of(channel, bytes, size);
+  if (number_at(channel) && !copies.empty() && place <= copies.back().place) copies.clear();  // numbers begin anew
+  copies.push_back({place, copy(bytes, size)});
   if (copies.size() > kCopies) copies.pop_front();
 }
 
@@ -55,23 +64,23 @@ std::vector<repeat_t> KeptMessages::answer(const repeat_request_t& request, std:
   const auto kept = copies_.find(request.channel);
   if (kept == copies_.end()) return answers;
   Answered& answered = answered_[request.channel];
-  if (answered.after_utime == request.after_utime && answered.before_utime == request.before_utime && now_us - answered.at_us < kSameQuestion_us)
+  if (answered.after == request.after && answered.before == request.before && now_us - answered.at_us < kSameQuestion_us)
     return answers;
-  answered = {request.after_utime, request.before_utime, now_us};
+  answered = {request.after, request.before, now_us};
   repeat_t message{};
   message.channel = request.channel;
-  message.previous_utime = -1;
+  message.previous = -1;
   for (const Copy& copy : kept->second) {
-    message.utime = copy.utime;
-    const bool wanted = copy.utime > request.after_utime && copy.utime < request.before_utime;
+    message.place = copy.place;
+    const bool wanted = copy.place > request.after && copy.place < request.before;
     message.data = wanted ? copy.bytes : std::vector<std::uint8_t>();
     message.nbytes = static_cast<std::int32_t>(message.data.size());
-    if (wanted || copy.utime == request.before_utime) answers.push_back(message);
+    if (wanted || copy.place == request.before) answers.push_back(message);
     if (answers.size() > kCopiesAnswered) return answers;
-    message.previous_utime = copy.utime;
+    message.previous = copy.place;
   }
-  if (request.before_utime == kStillToCome) {
-    message.utime = kStillToCome;
+  if (request.before == kStillToCome) {
+    message.place = kStillToCome;
     message.nbytes = 0;
     message.data.clear();
     answers.push_back(message);
@@ -80,8 +89,8 @@ std::vector<repeat_t> KeptMessages::answer(const repeat_request_t& request, std:
 }
 
 /// Whether it came before: doubled by the network, which does not count, or repeated and now heard itself.
-bool StreamRepair::is_known(const std::string& channel, Stream& stream, std::int64_t utime, std::size_t hash) {
-  const auto same = [&](const Seen& one) { return one.utime == utime && one.hash == hash; };
+bool StreamRepair::is_known(const std::string& channel, Stream& stream, std::int64_t place, std::size_t hash) {
+  const auto same = [&](const Seen& one) { return one.place == place && one.hash == hash; };
   const auto seen = std::find_if(stream.seen.rbegin(), stream.seen.rend(), same);
   if (seen == stream.seen.rend()) return false;
   if (seen->heard) bus_.uncount(channel);
@@ -89,33 +98,42 @@ bool StreamRepair::is_known(const std::string& channel, Stream& stream, std::int
   return true;
 }
 
-bool StreamRepair::has_seen(const Stream& stream, std::int64_t utime) {
-  return std::any_of(stream.seen.rbegin(), stream.seen.rend(), [utime](const Seen& one) { return one.utime == utime; });
+bool StreamRepair::has_seen(const Stream& stream, std::int64_t place) {
+  return std::any_of(stream.seen.rbegin(), stream.seen.rend(), [place](const Seen& one) { return one.place == place; });
 }
 
 bool StreamRepair::take(const std::string& channel, const void* bytes, int size) {
   if (!is_repeated(channel)) return false;
   Stream& stream = streams_[channel];
-  const std::int64_t utime = utime_of(bytes, size);
+  const std::int64_t place = place_of(channel, bytes, size);
   const std::size_t hash = hash_of(bytes, size);
-  if (stream.kept && is_known(channel, stream, utime, hash)) return true;
-  see(stream, utime, hash, true);
-  if (utime <= stream.last_utime)
-    while (!stream.held.empty()) pass(channel, stream);  // stamps step back: what waited came before this one
-  // Nobody to ask; or stamps that step back, as some logs have them.
-  if (!stream.kept || utime <= stream.last_utime || (stream.held.empty() && follows(channel, stream, utime))) {
-    went_by(stream, utime);
+  if (stream.kept && is_known(channel, stream, place, hash)) return true;
+  see(stream, place, hash, true);
+  if (stream.kept && place <= stream.last) step_back(channel, stream);
+  if (!stream.kept || stream.as_they_come > 0 || (stream.held.empty() && follows(channel, stream, place))) {
+    stream.as_they_come = std::max(0, stream.as_they_come - 1);
+    went_by(stream, place);
     return false;
   }
-  stream.held.emplace(utime, copy(bytes, size));
+  stream.held.emplace(place, copy(bytes, size));
   advance(channel, stream);
   return true;
 }
 
+/// What waited came before the one that steps back. A number falls when its speaker begins anew, a time in some logs again and again.
+void StreamRepair::step_back(const std::string& channel, Stream& stream) {
+  while (!stream.held.empty()) pass(channel, stream);
+  stream.as_they_come = number_at(channel) ? 1 : kAsTheyCome;
+  if (!number_at(channel)) return;
+  const Seen newest = stream.seen.back();
+  stream.seen = {newest};
+  stream.previous.clear();
+}
+
 void StreamRepair::note(const std::string& channel, const void* bytes, int size) {
   if (!is_repeated(channel)) return;
-  see(streams_[channel], utime_of(bytes, size), hash_of(bytes, size), false);
-  went_by(streams_[channel], utime_of(bytes, size));
+  see(streams_[channel], place_of(channel, bytes, size), hash_of(bytes, size), false);
+  went_by(streams_[channel], place_of(channel, bytes, size));
 }
 
 bool StreamRepair::awaits(const std::string& channel) const {
@@ -137,7 +155,7 @@ void StreamRepair::take(const process_status_t& status) {
     Stream& stream = streams_[out.channel];
     const bool news = !stream.kept;
     stream.kept = true;
-    if (news && out.channel == channel::kSensorInfo && stream.last_utime < 0) suspect(out.channel);
+    if (news && out.channel == channel::kSensorInfo && stream.last < 0) suspect(out.channel);
   }
 }
 
@@ -145,36 +163,37 @@ void StreamRepair::take(const repeat_t& repeat) {
   const auto found = streams_.find(repeat.channel);
   if (found == streams_.end() || !is_repeated(repeat.channel)) return;
   Stream& stream = found->second;
-  if (repeat.utime == kStillToCome) {
-    if (repeat.previous_utime <= stream.last_utime) stream.tail = false;
+  if (repeat.place == kStillToCome) {
+    if (repeat.previous <= stream.last) stream.tail = false;
     return;
   }
-  if (repeat.utime <= stream.last_utime || (stream.last_utime < 0 && !stream.tail)) return;
-  stream.previous[repeat.utime] = repeat.previous_utime;
-  if (repeat.nbytes > 0 && !has_seen(stream, repeat.utime)) {
-    see(stream, repeat.utime, hash_of(repeat.data.data(), repeat.nbytes), false);
-    stream.held.emplace(repeat.utime, repeat.data);
+  if (repeat.place <= stream.last || (stream.last < 0 && !stream.tail)) return;
+  stream.previous[repeat.place] = repeat.previous;
+  if (repeat.nbytes > 0 && !has_seen(stream, repeat.place)) {
+    see(stream, repeat.place, hash_of(repeat.data.data(), repeat.nbytes), false);
+    stream.held.emplace(repeat.place, repeat.data);
   }
   advance(repeat.channel, stream);
 }
 
-/// Whether nothing is missing between what was passed on and `utime`.
-bool StreamRepair::follows(const std::string& channel, const Stream& stream, std::int64_t utime) const {
+/// Whether nothing is missing between what was passed on and `place`.
+bool StreamRepair::follows(const std::string& channel, const Stream& stream, std::int64_t place) const {
   if (lacks_mount(channel)) return false;
-  if (stream.last_utime < 0) return true;
-  const auto told = stream.previous.find(utime);
-  if (told != stream.previous.end()) return told->second <= stream.last_utime || has_seen(stream, told->second);
-  if (stream.steps_us.size() < 3) return false;
-  std::vector<std::int64_t> steps(stream.steps_us.begin(), stream.steps_us.end());
+  if (stream.last < 0) return true;
+  if (number_at(channel) && place == stream.last + 1) return true;
+  const auto told = stream.previous.find(place);
+  if (told != stream.previous.end()) return told->second <= stream.last || has_seen(stream, told->second);
+  if (number_at(channel) || stream.steps.size() < 3) return false;
+  std::vector<std::int64_t> steps(stream.steps.begin(), stream.steps.end());
   std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-  return static_cast<double>(utime - stream.last_utime) <= kLongStep * static_cast<double>(steps[steps.size() / 2]);
+  return static_cast<double>(place - stream.last) <= kLongStep * static_cast<double>(steps[steps.size() / 2]);
 }
 
 /// A scan means nothing before it is known where the laser sits.
 bool StreamRepair::lacks_mount(const std::string& channel) const {
   if (channel != channel::kLaser) return false;
   const auto mount = streams_.find(channel::kSensorInfo);
-  return mount != streams_.end() && mount->second.kept && mount->second.last_utime < 0;
+  return mount != streams_.end() && mount->second.kept && mount->second.last < 0;
 }
 
 void StreamRepair::advance(const std::string& channel, Stream& stream) {
@@ -198,27 +217,27 @@ void StreamRepair::pass(const std::string& channel, Stream& stream) {
   if (channel == channel::kSensorInfo) advance(channel::kLaser, streams_[channel::kLaser]);
 }
 
-void StreamRepair::see(Stream& stream, std::int64_t utime, std::size_t hash, bool heard) {
-  stream.seen.push_back({utime, hash, heard});
+void StreamRepair::see(Stream& stream, std::int64_t place, std::size_t hash, bool heard) {
+  stream.seen.push_back({place, hash, heard});
   if (stream.seen.size() > kSeen) stream.seen.pop_front();
 }
 
-void StreamRepair::went_by(Stream& stream, std::int64_t utime) {
-  if (stream.last_utime >= 0 && utime > stream.last_utime) {
-    stream.steps_us.push_back(utime - stream.last_utime);
-    if (stream.steps_us.size() > kSteps) stream.steps_us.pop_front();
+void StreamRepair::went_by(Stream& stream, std::int64_t place) {
+  if (stream.last >= 0 && place > stream.last) {
+    stream.steps.push_back(place - stream.last);
+    if (stream.steps.size() > kSteps) stream.steps.pop_front();
   }
-  stream.last_utime = utime;
+  stream.last = place;
 }
 
-void StreamRepair::ask(const std::string& channel, Stream& stream, std::int64_t before_utime) {
+void StreamRepair::ask(const std::string& channel, Stream& stream, std::int64_t before) {
   stream.asked_us = now_us_;
   repeat_request_t request{};
   request.utime = bus_.utime();
   request.requester = bus_.name();
   request.channel = channel;
-  request.after_utime = stream.last_utime;
-  request.before_utime = before_utime;
+  request.after = stream.last;
+  request.before = before;
   ask_(request);
   if (lacks_mount(channel)) suspect(channel::kSensorInfo);
 }

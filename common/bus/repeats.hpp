@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Streams that every scan counts in are repaired: who speaks keeps copies for a while, who misses one holds back what is behind the
-/// gap, asks with REPEAT_REQUEST and goes on in order. No message carries a number for that; a gap shows as a step in time.
+/// gap, asks with REPEAT_REQUEST and goes on in order. A message's place in its stream is its number where it has one (SCAN_MATCH, POSE); of
+/// the others it is their time, and a gap shows as a step in time. A stream whose times step back cannot be put in order by them: for a while
+/// after that it is passed on as it comes.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -16,7 +18,7 @@
 
 namespace modslam {
 
-/// Whether messages on this channel are kept and repeated. Each begins with its time, as every message does.
+/// Whether messages on this channel are kept and repeated.
 bool is_repeated(const std::string& channel);
 
 /// The speaker's side.
@@ -28,11 +30,11 @@ class KeptMessages {
 
  private:
   struct Copy {
-    std::int64_t utime;
+    std::int64_t place;
     std::vector<std::uint8_t> bytes;
   };
   struct Answered {
-    std::int64_t after_utime = 0, before_utime = 0, at_us = 0;
+    std::int64_t after = 0, before = 0, at_us = 0;
   };
   std::map<std::string, std::deque<Copy>> copies_;
   std::map<std::string, Answered> answered_;
@@ -63,14 +65,15 @@ class StreamRepair : public Bus::Gate {
  private:
   using Bytes = std::vector<std::uint8_t>;
   struct Seen {
-    std::int64_t utime;
+    std::int64_t place;
     std::size_t hash;
     bool heard;  ///< over the network itself, not only repeated
   };
   struct Stream {
     bool kept = false;                ///< its speaker keeps copies
-    std::int64_t last_utime = -1;     ///< that was passed on
-    std::deque<std::int64_t> steps_us;  ///< between the last ones
+    std::int64_t last = -1;           ///< place of the last one that was passed on
+    std::deque<std::int64_t> steps;   ///< between the last ones
+    int as_they_come = 0;             ///< of so many of the next nothing is held back
     std::map<std::int64_t, Bytes> held;  ///< behind a gap
     std::map<std::int64_t, std::int64_t> previous;  ///< of held messages, as their speaker told
     std::deque<Seen> seen;            ///< the last ones
@@ -78,15 +81,16 @@ class StreamRepair : public Bus::Gate {
     bool tail = false;                ///< the newest may be missing
     std::int64_t tail_us = 0;
   };
-  bool is_known(const std::string& channel, Stream& stream, std::int64_t utime, std::size_t hash);
-  static bool has_seen(const Stream& stream, std::int64_t utime);
-  bool follows(const std::string& channel, const Stream& stream, std::int64_t utime) const;
+  bool is_known(const std::string& channel, Stream& stream, std::int64_t place, std::size_t hash);
+  static bool has_seen(const Stream& stream, std::int64_t place);
+  bool follows(const std::string& channel, const Stream& stream, std::int64_t place) const;
   bool lacks_mount(const std::string& channel) const;
+  void step_back(const std::string& channel, Stream& stream);
   void advance(const std::string& channel, Stream& stream);
   void pass(const std::string& channel, Stream& stream);
-  static void see(Stream& stream, std::int64_t utime, std::size_t hash, bool heard);
-  static void went_by(Stream& stream, std::int64_t utime);
-  void ask(const std::string& channel, Stream& stream, std::int64_t before_utime);
+  static void see(Stream& stream, std::int64_t place, std::size_t hash, bool heard);
+  static void went_by(Stream& stream, std::int64_t place);
+  void ask(const std::string& channel, Stream& stream, std::int64_t before);
 
   Bus& bus_;
   std::function<void(const repeat_request_t&)> ask_;

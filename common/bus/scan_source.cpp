@@ -7,7 +7,6 @@
 namespace modslam {
 namespace {
 
-constexpr std::int64_t kPatience_us = 500'000;
 constexpr std::size_t kMaxWaiting = 200;
 
 }  // namespace

@@ -18,6 +18,8 @@ namespace modslam {
 
 class ScanSource {
  public:
+  static constexpr std::int64_t kPatience_us = 500'000;
+
   /// `on_scan` gets each scan with the pose at its time. Subscribes LASER, SENSOR_INFO and `pose_channel` (ODOMETRY or another
   /// channel of pose_t).
   ScanSource(Bus& bus, const std::string& pose_channel,

@@ -49,8 +49,18 @@ sim_state_t to_message(const SimulationState& state) {
   return message;
 }
 
-SimulationStates::SimulationStates(Bus& bus, Handler on_state) : bus_(bus), on_state_(std::move(on_state)) {
+SimulationStates::SimulationStates(Bus& bus, const JournalConfig& journal, Handler on_state)
+    : bus_(bus), on_state_(std::move(on_state)), journal_(journal, bus.name()) {
   bus.subscribe<sim_state_t>(channel::kSimState, [this](const sim_state_t& m) { take(to_simulation_state(m)); });
+}
+
+void SimulationStates::resume() {
+  past_ = true;
+  sim_state_t message{};
+  for (const LogEvent& record : journal_.past())
+    if (read_record(record, message)) take(to_simulation_state(message));
+  journal_.forget_past();
+  past_ = false;
 }
 
 void SimulationStates::take(const SimulationState& state) {
@@ -58,8 +68,11 @@ void SimulationStates::take(const SimulationState& state) {
   if (kind == StepOrder::Kind::kRepeated) return;
   if (kind == StepOrder::Kind::kLate)
     throw BadMessage("step " + std::to_string(state.step) + " comes after step " + std::to_string(order_.newest()));
-  if (order_.skipped() > 0) bus_.count_gap(channel::kSimState, order_.skipped());
-  lost_ += order_.skipped();
+  if (!past_) {
+    if (order_.skipped() > 0) bus_.count_gap(channel::kSimState, order_.skipped());
+    lost_ += order_.skipped();
+    journal_.write(channel::kSimState, to_message(state));
+  }
   on_state_(state, kind == StepOrder::Kind::kAnew);
 }
 

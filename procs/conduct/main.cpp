@@ -24,6 +24,9 @@ double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+constexpr double kQuiet_s = 0.25;  // between two words of a process that may still get something
+constexpr int kQuietWords = 3;     // that tell of nothing new
+
 class Conductor {
  public:
   explicit Conductor(const std::string& url) : transport_(url), bus_(transport_, "conduct") {
@@ -81,11 +84,16 @@ class Conductor {
     };
     const double end = now_s() + seconds;
     std::int64_t last = -1;
-    for (int same = 0; same < 2 && now_s() < end;) {
+    for (int same = 0; same < kQuietWords && now_s() < end;) {
       const int count = heard_[name].count;
-      wait(2.0, [&] { return heard_[name].count > count; });
-      same = received() == last ? same + 1 : 0;
+      command_t command{};
+      command.target = name;
+      command.verb = "status";
+      bus_.publish(channel::kCommand, command);
+      const bool spoke = wait(2.0, [&] { return heard_[name].count > count; });
+      same = spoke && received() == last ? same + 1 : 0;
       last = received();
+      wait(kQuiet_s, [] { return false; });
     }
   }
 

@@ -14,6 +14,7 @@
 #include "common/bus/conversions.hpp"
 #include "common/bus/estimator_session.hpp"
 #include "common/bus/modules.hpp"
+#include "common/bus/scan_source.hpp"
 #include "common/bus/system_config.hpp"
 #include "common/motion/odometry_buffer.hpp"
 
@@ -62,7 +63,7 @@ class GraphOptimizerModule : public Module {
     session_.tick();
     if (matches_.empty() || worked_) blocked_since_us_ = steady_us;
     worked_ = false;
-    patient_ = steady_us - blocked_since_us_ <= kPatience_us;  // the loop detector is dead or was never started, or the scan is lost
+    patient_ = steady_us - blocked_since_us_ <= (bus_.is_lossless() ? 5 : 1) * kPatience_us;  // the loop detector is dead or was never started, or the scan is lost
     if (!patient_) searched_ = nodes();
     work();
   }
@@ -141,17 +142,24 @@ class GraphOptimizerModule : public Module {
     }
   }
 
-  /// Whether a part of what belongs to a match was lost on the way and is being repeated.
+  /// Whether a part of what belongs to a match was lost on the way and is being repeated, or was overtaken by the match behind a hub.
   bool awaits_sources(const scan_match_t& match) {
     const auto scan = std::find_if(scans_.begin(), scans_.end(), [&](const WaitingScan& w) { return w.scan.utime == match.utime; });
+    if (bus_.is_lossless()) return scan == scans_.end() || (!scan->T_odom_base && odometry_may_come(scan->scan.utime));
     if (scan != scans_.end())
       return (!scan->T_odom_base && bus_.awaits(channel::kOdometry)) || (!scan->T_ins_base && bus_.awaits(channel::kIns));
     bus_.suspect(channel::kLaser);
     return bus_.awaits(channel::kLaser);
   }
 
+  /// As long as the matcher itself would wait for it.
+  bool odometry_may_come(std::int64_t utime) const {
+    return odometry_.newest_utime() < utime && scans_.back().scan.utime - utime <= ScanSource::kPatience_us;
+  }
+
   void on_match(const scan_match_t& message) {
-    if (any_ && message.track == track_ && message.seq <= seq_) {  // said twice, or late: its motion is accounted for
+    const bool old_track = message.track != track_ && message.utime <= session_.state().utime;
+    if (any_ && message.seq <= seq_ && (message.track == track_ || old_track)) {  // said twice, or late: its motion is accounted for
       ++repeated_;
       return;
     }

@@ -23,7 +23,8 @@ class InsModule : public Module {
         ins_(config_.noise, seed_) {
     if (config_.driver != "simulated") return;
     bus.publishes(channel::kIns);
-    states_.emplace(bus, [this](const SimulationState& state, bool anew) { on_state(state, anew); });
+    states_.emplace(bus, config.journal, [this](const SimulationState& state, bool anew) { on_state(state, anew); });
+    states_->resume();
   }
 
   std::string words() const override {
@@ -41,6 +42,7 @@ class InsModule : public Module {
       ins_.advance(wrap_angle(state.T_world_base.heading - last_->T_world_base.heading),
                    WorldSimulation::time_s(state.step - last_->step));
     last_ = state;
+    if (states_->is_past()) return;
     const std::int64_t utime = WorldSimulation::utime_of(state.step);
     bus_.saw_utime(utime);
     bus_.publish(channel::kIns,

@@ -29,7 +29,7 @@ class LaserModule : public Module {
         std::make_unique<Obstacles>(load_world(config.simulator.world), config.simulator.people);
     bus.publishes(channel::kLaser);
     bus.publishes(channel::kSensorInfo);
-    states_.emplace(bus, [this](const SimulationState& state, bool) { on_state(state); });
+    states_.emplace(bus, JournalConfig(), [this](const SimulationState& state, bool) { on_state(state); });
   }
 
   std::string words() const override {

@@ -69,7 +69,7 @@ mapping_processes() {
 # start_run "SOURCE...": writes the run's supervisor file and starts everything; returns when all processes have spoken.
 start_run() {
   local sources=$1
-  rm -rf "$OUT"/run.lcm "$OUT/journal"
+  rm -rf "$OUT"/run.lcm "$OUT/journal" "$OUT/log/supervisord.log"
   mkdir -p "$OUT/log"
   continue_map
   open_bus

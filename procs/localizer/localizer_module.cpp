@@ -39,8 +39,12 @@ class LocalizerModule : public Module {
     bus.subscribe<bot_core::planar_lidar_t>(channel::kLaser, [this](const bot_core::planar_lidar_t& m) {
       scans_.push_back(to_scan(m));
       if (scans_.size() > kScansKept) scans_.pop_front();
+      work();
     });
-    bus.subscribe<scan_match_t>(channel::kScanMatch, [this](const scan_match_t& m) { on_match(m); });
+    bus.subscribe<scan_match_t>(channel::kScanMatch, [this](const scan_match_t& m) {
+      matches_.push_back(m);
+      work();
+    });
   }
 
   void tick(std::int64_t) override { session_.tick(); }
@@ -51,6 +55,15 @@ class LocalizerModule : public Module {
   }
 
  private:
+  /// Behind a hub a match can overtake its scan: then it waits.
+  void work() {
+    while (!matches_.empty()) {
+      if (bus_.is_lossless() && (scans_.empty() || matches_.front().utime > scans_.back().utime)) return;
+      on_match(matches_.front());
+      matches_.pop_front();
+    }
+  }
+
   void on_match(const scan_match_t& message) {
     const auto scan = std::find_if(scans_.begin(), scans_.end(), [&](const Scan& s) { return s.utime == message.utime; });
     if (scan == scans_.end()) return bus_.count_gap(channel::kLaser, 1);
@@ -103,6 +116,7 @@ class LocalizerModule : public Module {
   Relocalizer relocalizer_;
   SensorInfo sensor_;
   std::deque<Scan> scans_;
+  std::deque<scan_match_t> matches_;
   Pose2 T_map_track_;
   std::int64_t track_ = -1, poses_ = 0, times_lost_ = 0;
   int failures_ = 0, hypotheses_ = 0;

@@ -22,7 +22,8 @@ class OdometryModule : public Module {
         odometry_(odometry_noise(config_.noise), seed_) {
     if (config_.driver != "simulated") return;
     bus.publishes(channel::kOdometry);
-    states_.emplace(bus, [this](const SimulationState& state, bool anew) { on_state(state, anew); });
+    states_.emplace(bus, config.journal, [this](const SimulationState& state, bool anew) { on_state(state, anew); });
+    states_->resume();
   }
 
   std::string words() const override {
@@ -41,7 +42,7 @@ class OdometryModule : public Module {
     if (last_)  // wheel counts are totals: a state that was lost takes nothing away
       odometry_.advance(state.wheel_distance_m - last_->wheel_distance_m,
                         state.wheel_turn_rad - last_->wheel_turn_rad);
-    publish(state);
+    if (!states_->is_past()) publish(state);
     last_ = state;
   }
 

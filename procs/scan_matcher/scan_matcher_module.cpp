@@ -63,6 +63,7 @@ class ScanMatcherModule : public Module {
     utime_last_ = newest.utime;
     track_ = newest.track;
     seq_ = newest.seq + 1;
+    begins_ = false;
     doubtful_ = newest.doubtful;
     resumption_ = Resumption{{channel::kLaser, channel::kOdometry, channel::kSensorInfo}, channel::kLaser, utime_last_, journal_.last_us()};
     journal_.forget_past();
@@ -92,13 +93,13 @@ class ScanMatcherModule : public Module {
   }
 
   void match(const Scan& scan, const Pose2& T_odom_base) {
-    if (seq_ > 0 && too_far(scan, T_odom_base)) {
+    if (!begins_ && too_far(scan, T_odom_base)) {
       matcher_ = ScanMatcher(matcher_config_, odometry_model_);
-      seq_ = 0;
+      begins_ = true;
       ++breaks_;
     }
-    if (seq_ == 0) track_ = scan.utime;
-    const Pose2 motion = seq_ == 0 ? Pose2() : between(T_odom_last_, T_odom_base);
+    if (begins_) track_ = utime_last_ = scan.utime;
+    const Pose2 motion = begins_ ? Pose2() : between(T_odom_last_, T_odom_base);
     const std::int64_t joined_before = matcher_.joined();
     const ScanMatch result = matcher_.match(scan, source_.sensor(), motion);
     doubtful_ += !is_usable(result.verdict) && result.verdict != Verdict::kFirst;
@@ -107,12 +108,13 @@ class ScanMatcherModule : public Module {
     utime_last_ = scan.utime;
     remember(scan, result, matcher_.joined() > joined_before);
     ++seq_;
+    begins_ = false;
   }
 
   void publish(const Scan& scan, const ScanMatch& result) {
     scan_match_t message{};
     message.utime = scan.utime;
-    message.utime_from = seq_ == 0 ? scan.utime : utime_last_;
+    message.utime_from = utime_last_;
     message.seq = seq_;
     message.track = track_;
     put(message.T_track_base, result.T_track_base);
@@ -140,6 +142,7 @@ class ScanMatcherModule : public Module {
   std::optional<Resumption> resumption_;
   Pose2 T_odom_last_;
   std::int64_t utime_last_ = 0, seq_ = 0, track_ = 0, doubtful_ = 0, breaks_ = 0;
+  bool begins_ = true;  ///< the next scan begins a track
 };
 
 }  // namespace

@@ -32,7 +32,10 @@ class SimulatorModule : public Module {
         simulation_(world_, route_of(world_, config_.route), config_.people),
         truth_period_(kTruthRate_hz, WorldSimulation::kSteps_per_s),
         info_period_(kInfoRate_hz, WorldSimulation::kSteps_per_s),
-        info_(describe()) {}
+        info_(describe()),
+        journal_(config.journal, bus.name()) {
+    resume();
+  }
 
   bool step() override {
     if (simulation_.state().finished) return false;
@@ -43,6 +46,7 @@ class SimulatorModule : public Module {
   }
 
   void tick(std::int64_t steady_us) override {
+    if (next_step_us_ == 0 && started_) next_step_us_ = steady_us;
     if (next_step_us_ == 0)
       next_step_us_ = steady_us + static_cast<std::int64_t>(1e6 * config_.delay_s);
     const auto step_us = static_cast<std::int64_t>(WorldSimulation::kStep_us / config_.speed);
@@ -66,6 +70,15 @@ class SimulatorModule : public Module {
   }
 
  private:
+  /// After a crash: drives in no time to where the last life was.
+  void resume() {
+    sim_state_t last{};
+    for (const LogEvent& record : journal_.past()) read_record(record, last);
+    started_ = !journal_.past().empty();
+    journal_.forget_past();
+    while (simulation_.state().step < last.step && !simulation_.state().finished) simulation_.advance();
+  }
+
   sim_info_t describe() const {
     sim_info_t message{};
     message.world = std::filesystem::path(config_.world).filename().string();
@@ -86,6 +99,7 @@ class SimulatorModule : public Module {
   void publish_state() {
     const SimulationState& state = simulation_.state();
     bus_.saw_utime(simulation_.utime());
+    journal_.write(channel::kSimState, to_message(state));
     bus_.publish(channel::kSimState, to_message(state));
     if (info_period_.due(state.step)) publish_info();
     if (!truth_period_.due(state.step)) return;
@@ -109,6 +123,7 @@ class SimulatorModule : public Module {
   WorldSimulation simulation_;
   StepPeriod truth_period_, info_period_;
   sim_info_t info_;
+  Journal journal_;
   bool started_ = false;
   std::int64_t next_step_us_ = 0;
 };

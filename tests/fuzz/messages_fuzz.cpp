@@ -13,10 +13,13 @@
 #include <modslam/map_tile_t.hpp>
 #include <modslam/matcher_state_t.hpp>
 #include <modslam/object_list_t.hpp>
-#include <modslam/place_list_t.hpp>
 #include <modslam/parameters_t.hpp>
+#include <modslam/place_list_t.hpp>
+#include <modslam/playback_t.hpp>
 #include <modslam/pose_estimate_t.hpp>
 #include <modslam/process_status_t.hpp>
+#include <modslam/repeat_request_t.hpp>
+#include <modslam/repeat_t.hpp>
 #include <modslam/room_list_t.hpp>
 #include <modslam/scan_match_t.hpp>
 #include <modslam/sim_info_t.hpp>
@@ -92,7 +95,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       type<loop_search_t>(),            type<map_tile_t>(),          type<matcher_state_t>(),   type<object_list_t>(),
       type<parameters_t>(),             type<pose_estimate_t>(),     type<process_status_t>(),  type<room_list_t>(),
       type<scan_match_t>(),             type<sensor_info_t>(),       type<sim_info_t>(),        type<sim_state_t>(),
-      type<sync_request_t>(),           type<wall_list_t>(),          type<place_list_t>(),      type<query_t>(),           type<answer_t>()};
+      type<sync_request_t>(),           type<wall_list_t>(),         type<place_list_t>(),      type<query_t>(),           type<answer_t>(),
+      type<repeat_request_t>(),         type<repeat_t>(),            type<playback_t>()};
   if (size == 0) return 0;
   const Type& chosen = kTypes[data[0] % (sizeof kTypes / sizeof *kTypes)];
   std::vector<std::uint8_t> bytes;  // the right fingerprint, else nothing would get past it

@@ -13,11 +13,11 @@ import sys
 
 HOUSE = pathlib.Path(__file__).resolve().parents[2]
 sys.dont_write_bytecode = True
-TARGETS = ["messages", "log", "text_log", "rawlog", "config"]
+TARGETS = ["messages", "log", "text_log", "rawlog", "config", "repeats"]
 CHANNELS = {"LASER": 0, "ODOMETRY": 1, "NODE": 5, "GRAPH": 6, "LOOP": 7, "LOOP_SEARCH": 8, "MAP_TILE": 9, "PARAMETERS": 12, "POSE": 13,
             "STATUS": 14, "SEMANTIC_ROOMS": 15, "SEMANTIC_DOORS": 3, "SEMANTIC_OBJECTS": 11, "SEMANTIC_WALLS": 21, "SCAN_MATCH": 16,
-            "SENSOR_INFO": 17, "SIM_INFO": 18, "SEMANTIC_PLACES": 22}
-LARGEST = {"messages": 4096, "log": 4096, "text_log": 2048, "rawlog": 4096, "config": 2048}
+            "SENSOR_INFO": 17, "SIM_INFO": 18, "SEMANTIC_PLACES": 22, "QUERY": 23, "ANSWER": 24, "REPEAT_REQUEST": 25}
+LARGEST = {"messages": 4096, "log": 4096, "text_log": 2048, "rawlog": 4096, "config": 2048, "repeats": 512}
 
 
 def build(folder):

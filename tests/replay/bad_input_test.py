@@ -172,6 +172,7 @@ def configuration():
     answers(["simulate", system.FOLDER / "x.lcm", *quick("simulator.world=no.geojson")], "no.geojson")
     answers(["replay", drive(), "--speed", "0", *out], "--speed 0")
     answers(["replay", drive(), "--speed", "fast", *out], "--speed fast")
+    answers(["replay", drive(), "--drive", "--speed", "50", *out], "player.speed", "[0.1, 20.0]")
     answers(["demo", "--frobnicate"], "--frobnicate")
     answers(["frobnicate"], "frobnicate", codes=[2])
     answers(["demo", "--out", "/proc/nothing", *quick()], "/proc/nothing")

@@ -10,6 +10,7 @@ import os
 import pathlib
 import random
 import signal
+import struct
 import sys
 import time
 
@@ -24,6 +25,8 @@ SEED = int(os.environ.get("MODSLAM_CHAOS_SEED", 1))
 ROUTE = "simulator.route=" + os.environ.get("MODSLAM_CHAOS_ROUTE", "C_bedroom_full")
 POSES_APART_M, BACK_WITHIN_S = 0.010, 2.0
 MARGINAL_M2 = 20.0
+SENSORS = ["simulator", "laser", "odometry", "ins"]
+LONGEST_STEP_M = 0.5  # of what odometry says from one message to the next: what the robot drives while a process comes back
 VICTIMS = ["recorder", "scan_matcher", "graph_optimizer", "loop_detector", "map_builder", "semantic_classifier", "viewer"]
 
 
@@ -86,6 +89,33 @@ def chaos():
           ", ".join(f"{name} {max(times):.2f}" for name, times in sorted(took.items())))
     check(max(max(times) for times in took.values()) < BACK_WITHIN_S, f"not back within {BACK_WITHIN_S} s: {took}")
     compare(calm, wild)
+
+
+def steps_m(log, channel):
+    """How far a pose of this channel is from the one before."""
+    places = [struct.unpack_from(">dd", data, 16) for _, name, data in system.events(log) if name == channel]
+    return [math.dist(a, b) for a, b in zip(places, places[1:])]
+
+
+@test("the simulated world and its sensors are killed during a drive: each goes on where it was, and the drive ends as well as any")
+def sensors():
+    folder, order = system.FOLDER / "drive", random.Random(SEED)
+    victims = [name for _ in range(2) for name in order.sample(SENSORS, len(SENSORS))]
+    with Run("demo", "--out", folder, *system.quick(ROUTE, "simulator.speed=4", "launch.semantics=false", "ins.driver=simulated")) as run:
+        run.until_driving()
+        time.sleep(4)
+        for name in victims:
+            kill(run, name)
+            time.sleep(1.2)
+        code, said = run.wait(150), run.said()
+    equal(code, 0, f"{said}\nexit code")
+    longest = {channel: max(steps_m(folder / "run.lcm", channel)) for channel in ("GROUND_TRUTH", "ODOMETRY")}
+    summary = system.summary(folder)
+    error_m = summary["error"]["aligned_by_least_squares"]["position_m"]["mean"]
+    print(f"longest steps [m] {longest}, scans {summary['scans']}, {summary['scans_without_pose']} without a pose, path error {1e3 * error_m:.1f} mm")
+    check(max(longest.values()) < LONGEST_STEP_M, f"a sensor began anew: longest steps [m] {longest}")
+    equal(summary["scans_without_pose"], 0, "scans without a pose")
+    check(error_m < 0.05, f"the path errs by {error_m} m")
 
 
 def compare(calm, wild):

@@ -64,6 +64,12 @@ class Host:
         self.children.append(child)
         return child
 
+    def unread(self, child):
+        """@return datagrams that the machine dropped because this process did not read them in time."""
+        own = {os.readlink(f"/proc/{child.pid}/fd/{fd}") for fd in os.listdir(f"/proc/{child.pid}/fd")}
+        rows = [line.split() for line in self.sh("cat /proc/net/udp").splitlines()[1:]]
+        return sum(int(row[12]) for row in rows if f"socket:[{row[9]}]" in own)
+
     def stop(self):
         for child in self.children:
             child.terminate()

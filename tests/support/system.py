@@ -222,36 +222,48 @@ def write_events(path, all_events):
     return path
 
 
+class Fields:
+    """Reads a message's fields one after the other."""
+
+    def __init__(self, data):
+        self.data, self.at = data, 8  # behind the type's fingerprint
+
+    def number(self, kind):
+        value, = struct.unpack_from(">" + kind, self.data, self.at)
+        self.at += struct.calcsize(">" + kind)
+        return value
+
+    def text(self):
+        size = self.number("i")
+        self.at += size
+        return self.data[self.at - size:self.at - 1].decode()
+
+
+def status_messages(path):
+    """Each STATUS in a run's log as a dictionary. inputs and outputs: {channel: (received, bad, lost)}."""
+    for wall_us, channel, data in events(path):
+        if channel != "STATUS":
+            continue
+        fields = Fields(data)
+        status = {"wall_s": 1e-6 * wall_us, "utime": fields.number("q"), "name": fields.text(), "version": fields.text(),
+                  "pid": fields.number("i"), "state": fields.number("b")}
+        for way in ("inputs", "outputs"):
+            status[way] = {fields.text(): tuple(fields.number("q") for _ in range(3)) for _ in range(fields.number("i"))}
+        status["latency_us"] = fields.number("q"), fields.number("q")
+        status["memory_kb"] = fields.number("q")
+        yield status
+
+
 def statuses(path):
     """Wall time [s], process and pid of each STATUS in a run's log."""
-    for utime, channel, data in events(path):
-        if channel == "STATUS":
-            size, = struct.unpack_from(">i", data, 16)
-            name = data[20:20 + size - 1].decode()
-            version, = struct.unpack_from(">i", data, 20 + size)
-            yield 1e-6 * utime, name, struct.unpack_from(">i", data, 24 + size + version)[0]
+    for status in status_messages(path):
+        yield status["wall_s"], status["name"], status["pid"]
 
 
 def status_inputs(path):
     """Wall time [s], process and {channel: (received, bad, lost)} of each STATUS in a run's log."""
-    for utime, channel, data in events(path):
-        if channel != "STATUS":
-            continue
-        at = 16
-        texts = []
-        for _ in range(2):  # name, version
-            size, = struct.unpack_from(">i", data, at)
-            texts.append(data[at + 4:at + 3 + size].decode())
-            at += 4 + size
-        at += 5  # pid, state
-        count, = struct.unpack_from(">i", data, at)
-        at += 4
-        inputs = {}
-        for _ in range(count):
-            size, = struct.unpack_from(">i", data, at)
-            inputs[data[at + 4:at + 3 + size].decode()] = struct.unpack_from(">qqq", data, at + 4 + size)
-            at += 28 + size
-        yield 1e-6 * utime, texts[0], inputs
+    for status in status_messages(path):
+        yield status["wall_s"], status["name"], status["inputs"]
 
 
 def duration_s(path):

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the page knows of the run: one field a stream. README.md has the format of the messages.
 
-const TILE_HEADER = 24, MAX_UNPACKED = 4000;
+const TILE_HEADER = 24, MAX_UNPACKED = 4000, PIECE = 256;  // as trail.hpp cuts
 const MOVING = new Set(['pose', 'scan', 'status', 'clock', 'series', 'events', 'playback']);
 let shapes = 0;  // counts what changes the picture behind the robot, over all states
 
@@ -44,9 +44,10 @@ export function take(state, message, now) {
   }
 }
 
-// Pieces may overtake each other: a hole stays empty until its piece is here.
+// Pieces may overtake each other: a hole stays empty until its piece is here. One that is not full is the last.
 function takePoses(list, {first, poses}) {
   for (let i = 0; i * 3 < poses.length; i++) list[first + i] = [poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]];
+  if (poses.length < 3 * PIECE) list.length = first + poses.length / 3;
 }
 
 const unpacked = new Map();  // 'x/y/version/bytes' -> cells: the past asks for the same tiles again and again
