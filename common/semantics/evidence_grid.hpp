@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 namespace modslam {
 
@@ -18,6 +20,16 @@ class EvidenceGrid {
   void add(const Eigen::Vector2d& p, bool on_line, int sign) {
     const int i = index(p.x()), j = index(p.y());
     tiles_[key_of(i, j)][cell_of(i, j)] += on_line ? sign : -sign;
+    if (const Index tile(i >> kShift, j >> kShift); changed_.empty() || changed_.back() != tile) changed_.push_back(tile);
+  }
+  /// Cells (column, row; counted from the map's origin) whose log-odds changed since the last call, as squares: corner and width.
+  std::vector<std::array<int, 3>> take_changed() {
+    std::sort(changed_.begin(), changed_.end());
+    changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+    std::vector<std::array<int, 3>> out;
+    for (const Index& tile : changed_) out.push_back({tile.first * kSide - 1, tile.second * kSide - 1, kSide + 2});
+    changed_.clear();
+    return out;
   }
   /// Log-odds of wall against object at p, over the cell and its neighbours; 0: nothing known.
   double log_odds(const Eigen::Vector2d& p) const {
@@ -32,6 +44,7 @@ class EvidenceGrid {
 
  private:
   static constexpr int kShift = 5, kSide = 1 << kShift;
+  using Index = std::pair<int, int>;
   using Tile = std::array<std::int32_t, kSide * kSide>;  ///< points on walls less points on objects
 
   int index(double x_m) const { return static_cast<int>(std::floor(x_m / resolution_m_)); }
@@ -42,6 +55,7 @@ class EvidenceGrid {
 
   double resolution_m_;
   std::unordered_map<std::int64_t, Tile> tiles_;
+  std::vector<Index> changed_;
 };
 
 }  // namespace modslam

@@ -134,7 +134,7 @@ TEST_CASE("an unexplored rectangle between walls is no room, nor is open floor w
   KnownSpace open = test::unknown_floor(8, 8);
   test::fill(open, 1, 1, 7, 7, test::kFree);
   REQUIRE(rooms_of(open).empty());
-  REQUIRE(rooms_of(KnownSpace(OccupancyMap(0.1, 20))).empty());
+  REQUIRE(rooms_of(KnownSpace(0.1)).empty());
 }
 
 TEST_CASE("a corridor that runs round a block has the block as a hole") {
@@ -174,7 +174,7 @@ TEST_CASE("a long thin island is a piece of wall, a big block is building, a sha
   const ObjectMap found = find_objects(space, 14);
   REQUIRE(found.objects.empty());
   REQUIRE(cv::countNonZero(found.mask) == 0);
-  REQUIRE(find_objects(KnownSpace(OccupancyMap(0.1, 20)), 14).objects.empty());
+  REQUIRE(find_objects(KnownSpace(0.1), 14).objects.empty());
 }
 
 TEST_CASE("a small nook without walls around it joins the room it opens to") {
