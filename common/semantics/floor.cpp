@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/semantics/floor.hpp"
 
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
 
 #include "common/semantics/islands.hpp"
@@ -28,21 +29,25 @@ cv::Mat structure(int shape, double width_m, double resolution_m) {
 }
 
 /// Cuts the islands off that lie around a change: `islands` has those of `mask` that `is_one` says so.
-Boxes update_islands(cv::Mat1b& islands, const cv::Mat1b& mask, const Boxes& changed, double longest_m, int connectivity, double resolution_m,
+Boxes update_islands(cv::Mat1b& islands, const cv::Mat1b& mask, const Boxes& changed, const IslandLimits& limits,
                      const std::function<bool(const Island&)>& is_one) {
-  const int longest = static_cast<int>(longest_m / resolution_m);
-  const Boxes around = windows(changed, longest + 2, mask.size());
-  std::vector<cv::Mat1b> before;
-  for (const cv::Rect& box : around) before.push_back(islands(box).clone());
-  // What was an island and met the change is one no more, until it is found again.
-  each_island(islands, changed, longest, connectivity, [&](const Island& island) { islands(island.box).setTo(0, island.mask); });
-  each_island(mask, changed, longest, connectivity, [&](const Island& island) {
-    if (is_one(island)) islands(island.box).setTo(255, island.mask);
+  // What was an island and met the change is one no more, unless it is found again.
+  std::vector<Island> before, now;
+  each_island(islands, changed, limits, [&](const Island& island) { before.push_back(island); });
+  each_island(mask, changed, limits, [&](const Island& island) {
+    if (is_one(island)) now.push_back(island);
   });
-  Boxes out;
-  for (std::size_t k = 0; k < around.size(); ++k)
-    if (const cv::Rect news = difference(before[k], islands(around[k])); news.area() > 0) out.push_back(news + around[k].tl());
-  return out;
+  for (const Island& island : before) islands(island.box).setTo(0, island.mask);
+  for (const Island& island : now) islands(island.box).setTo(255, island.mask);
+  Boxes news;
+  const auto same = [](const Island& p, const Island& q) { return p.box == q.box && difference(p.mask, q.mask).area() == 0; };
+  const auto note = [&](const std::vector<Island>& these, const std::vector<Island>& those) {
+    for (const Island& one : these)
+      if (std::none_of(those.begin(), those.end(), [&](const Island& other) { return same(one, other); })) news.push_back(one.box);
+  };
+  note(before, now);
+  note(now, before);
+  return news;
 }
 
 /// The floor without what beams through gaps leave of it; of the window's cells those that are 15 or more off its rim are right.
@@ -88,12 +93,14 @@ FloorChange update_floor(Floor& floor, const KnownSpace& space, double island_ma
     cv::bitwise_not(picture, picture);
     take_over(floor.closed, box, picture, stirred);
   }
+  const auto limits = [&](double longest_m, double most_m2, int connectivity) {
+    return IslandLimits{cells(longest_m), static_cast<int>(most_m2 / cell_m2), connectivity};
+  };
   const auto is_thing = [&](const Island& island) {
-    if (island.cells * cell_m2 > island_max_m2) return false;
     if (std::max(island.box.width, island.box.height) * cell_m <= kSmall_m) return true;
     return thickness_m(island.mask, cell_m) >= kWallThickness_m && share_of_box(island.mask) >= kCompact;
   };
-  const Boxes things = update_islands(floor.things, floor.closed, stirred, kLongestThing_m, 8, cell_m, is_thing);
+  const Boxes things = update_islands(floor.things, floor.closed, stirred, limits(kLongestThing_m, island_max_m2, 8), is_thing);
   stirred.insert(stirred.end(), things.begin(), things.end());
   stirred.insert(stirred.end(), change.solid.begin(), change.solid.end());
 
@@ -107,8 +114,8 @@ FloorChange update_floor(Floor& floor, const KnownSpace& space, double island_ma
     take_over(floor.swept, box, sweep(open, floor.solid(window), cell_m)(box - window.tl()), swept);
   }
   // Beams that slipped through a window leave single cells and threads beyond it.
-  const auto is_speck = [&](const Island& island) { return island.cells * cell_m2 < kSpeck_m2; };
-  const Boxes specks = update_islands(floor.specks, floor.swept, swept, kLongestSpeck_m, 4, cell_m, is_speck);
+  const auto is_speck = [](const Island&) { return true; };
+  const Boxes specks = update_islands(floor.specks, floor.swept, swept, limits(kLongestSpeck_m, kSpeck_m2, 4), is_speck);
   swept.insert(swept.end(), specks.begin(), specks.end());
   for (const cv::Rect& box : swept) {
     cv::bitwise_not(floor.specks(box), picture);

@@ -7,7 +7,7 @@
 namespace modslam {
 
 struct Floor {
-  static constexpr double kFarthest_m = 3.0;
+  static constexpr double kFarthest_m = 2.0;
 
   cv::Mat1b open;         ///< 255: floor. Small islands (chairs, pillars, tables) count as floor
   cv::Mat1f clearance;    ///< [cells] from what is not floor, at most kFarthest_m

@@ -7,14 +7,21 @@
 
 namespace modslam {
 
-/// Connected set of cells that lies within a window without touching its rim.
+/// Small connected set of cells that does not touch the rim of the raster.
 struct Island {
   cv::Rect box;     ///< in the whole raster
   cv::Mat1b mask;   ///< of the size of the box
   int cells = 0;
 };
 
-/// Visits the islands of `mask` that meet or touch `changed` and are no longer than `longest` cells in x and y. Larger sets are none, however they end.
-void each_island(const cv::Mat1b& mask, const Boxes& changed, int longest, int connectivity, const std::function<void(const Island&)>& visit);
+/// Larger sets are no islands, however they end. Cells.
+struct IslandLimits {
+  int longest;        ///< in x and y
+  int most_cells;
+  int connectivity;   ///< 4 or 8
+};
+
+/// Visits the islands of `mask` that meet or touch `changed`. The mask must stay as it is meanwhile.
+void each_island(const cv::Mat1b& mask, const Boxes& changed, const IslandLimits& limits, const std::function<void(const Island&)>& visit);
 
 }  // namespace modslam

@@ -59,11 +59,12 @@ Boxes update_objects(ObjectMap& map, const KnownSpace& space, const Floor& floor
     return touches;
   };
   map.objects.erase(std::remove_if(map.objects.begin(), map.objects.end(), is_touched), map.objects.end());
-  each_island(floor.closed, changed, static_cast<int>(kLongest_m / space.resolution_m), 8, [&](const Island& island) {
+  const double cell_m = space.resolution_m;
+  each_island(floor.closed, changed, {static_cast<int>(kLongest_m / cell_m), static_cast<int>(max_m2 / cell_m / cell_m), 8}, [&](const Island& island) {
     ObjectMap::Footprint found{island, {}};
     cv::Mat1b known;
     cv::bitwise_and(map.mask(island.box), island.mask, known);
-    if (island.cells * space.resolution_m * space.resolution_m > max_m2 || cv::countNonZero(known) > 0) return;
+    if (cv::countNonZero(known) > 0) return;
     if (!make_object(island, space, floor, found.object)) return;
     map.mask(island.box).setTo(255, island.mask);
     stirred.push_back(island.box);
