@@ -33,6 +33,8 @@ class OccupancyMap {
   std::vector<TileIndex> tiles() const;
   /// kTileCells^2 bytes: 0 unknown, else 1 + 254 * probability of being occupied.
   std::vector<std::uint8_t> render(const TileIndex& index) const;
+  /// The same in three classes, into kTileCells^2 bytes: 0 unknown, 1 rather free, 255 rather occupied.
+  void classes(const TileIndex& index, std::uint8_t* out) const;
   double resolution_m() const { return resolution_m_; }
 
  private:

@@ -3,51 +3,54 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace modslam {
 namespace {
 
 constexpr double kEvidencePerSighting = 0.4, kMaxEvidence = 12.0;
 
-/// Sightings by the square of the floor that their centre lies in, so that a door looks only around itself.
-class SightingIndex {
- public:
-  SightingIndex(const std::vector<DoorSighting>& sightings, double square_m) : square_m_(square_m) {
-    for (const DoorSighting& s : sightings) squares_[square(0.5 * (s.a + s.b))].push_back(&s);
-  }
-  template <class Visit>
-  void each_near(const Eigen::Vector2d& p, Visit visit) const {
-    const auto [x, y] = square(p);
-    for (int dx = -1; dx <= 1; ++dx)
-      for (int dy = -1; dy <= 1; ++dy)
-        if (const auto found = squares_.find({x + dx, y + dy}); found != squares_.end())
-          for (const DoorSighting* s : found->second) visit(*s);
-  }
+constexpr double kSquare_m = 0.4;
 
- private:
-  std::pair<int, int> square(const Eigen::Vector2d& p) const {
-    return {static_cast<int>(std::floor(p.x() / square_m_)), static_cast<int>(std::floor(p.y() / square_m_))};
-  }
-  double square_m_;
-  std::map<std::pair<int, int>, std::vector<const DoorSighting*>> squares_;
-};
+std::pair<int, int> square_of(const Eigen::Vector2d& p) { return {static_cast<int>(std::floor(p.x() / kSquare_m)), static_cast<int>(std::floor(p.y() / kSquare_m))}; }
 
-int count_sightings(const Opening& opening, const SightingIndex& sightings, double centre_m) {
-  const Eigen::Vector2d u = (opening.b - opening.a).normalized();
-  int count = 0;
-  sightings.each_near(opening.centre(), [&](const DoorSighting& s) {
-    const Eigen::Vector2d d = s.b - s.a;
-    count += (0.5 * (s.a + s.b) - opening.centre()).norm() < centre_m && std::abs(d.dot(u)) > 0.85 * d.norm() &&
-             std::abs(d.norm() - opening.width_m()) < 0.45;
-  });
-  return count;
-}
+Eigen::Vector2d centre_of(const DoorSighting& s) { return 0.5 * (s.a + s.b); }
 
 }  // namespace
 
+void DoorSightings::add(const DoorSighting& sighting, int sign) {
+  if (!(centre_of(sighting).cwiseAbs().maxCoeff() < 1e6)) return;
+  std::vector<DoorSighting>& here = squares_[square_of(centre_of(sighting))];
+  if (sign > 0) {
+    here.push_back(sighting);
+    return;
+  }
+  const auto same = [&](const DoorSighting& other) { return other.a == sighting.a && other.b == sighting.b; };
+  if (const auto found = std::find_if(here.begin(), here.end(), same); found != here.end()) here.erase(found);
+}
+
+int DoorSightings::support(const Opening& opening, double centre_m) const {
+  const Eigen::Vector2d u = (opening.b - opening.a).normalized(), reach(centre_m, centre_m);
+  const auto low = square_of(opening.centre() - reach), high = square_of(opening.centre() + reach);
+  int count = 0;
+  for (int x = low.first; x <= high.first; ++x)
+    for (int y = low.second; y <= high.second; ++y) {
+      const auto square = squares_.find({x, y});
+      if (square == squares_.end()) continue;
+      for (const DoorSighting& s : square->second) {
+        const Eigen::Vector2d d = s.b - s.a;
+        count += (centre_of(s) - opening.centre()).norm() < centre_m && std::abs(d.dot(u)) > 0.85 * d.norm() && std::abs(d.norm() - opening.width_m()) < 0.45;
+      }
+    }
+  return count;
+}
+
 std::vector<Door> find_doors(const Partition& partition, const std::vector<DoorSighting>& sightings, const DoorMapOptions& options) {
-  const SightingIndex index(sightings, options.centre_m);
+  DoorSightings all;
+  for (const DoorSighting& sighting : sightings) all.add(sighting, 1);
+  return find_doors(partition, all, options);
+}
+
+std::vector<Door> find_doors(const Partition& partition, const DoorSightings& sightings, const DoorMapOptions& options) {
   std::vector<Door> doors;
   for (const CutOpening& cut : partition.cuts) {
     const Opening& opening = cut.opening;
@@ -56,7 +59,7 @@ std::vector<Door> find_doors(const Partition& partition, const std::vector<DoorS
     door.a = opening.a;
     door.b = opening.b;
     const double from_shape = std::log(opening.probability / std::max(1e-6, 1 - opening.probability));
-    const double from_sightings = kEvidencePerSighting * count_sightings(opening, index, options.centre_m);
+    const double from_sightings = kEvidencePerSighting * sightings.support(opening, options.centre_m);
     door.evidence = std::min(kMaxEvidence, from_shape + from_sightings);
     door.region_a = cut.left;
     door.region_b = cut.right;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Doors: the openings between rooms that are as wide as doors, with what scans saw of them over time (thesis 3.4.3).
 #pragma once
+#include <map>
 #include <vector>
 
 #include "common/semantics/door_sensor.hpp"
@@ -14,7 +15,20 @@ struct DoorMapOptions {
   double centre_m = 0.35;  ///< a sighting supports an opening whose centre is this near
 };
 
-/// @param sightings in the map frame: each adds to the evidence of the door it saw.
+/// What scans saw of openings, by the square of the floor that their centres lie in, so that a door looks only around itself.
+class DoorSightings {
+ public:
+  /// Map frame; sign -1 takes it back.
+  void add(const DoorSighting& sighting, int sign);
+  /// Sightings that say the same as the opening.
+  int support(const Opening& opening, double centre_m) const;
+
+ private:
+  std::map<std::pair<int, int>, std::vector<DoorSighting>> squares_;
+};
+
+/// @param sightings each adds to the evidence of the door it saw.
+std::vector<Door> find_doors(const Partition& partition, const DoorSightings& sightings, const DoorMapOptions& options);
 std::vector<Door> find_doors(const Partition& partition, const std::vector<DoorSighting>& sightings, const DoorMapOptions& options);
 
 }  // namespace modslam

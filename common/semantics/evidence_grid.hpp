@@ -2,9 +2,13 @@
 /// @file Evidence for wall or object, cell by cell, as log-odds (thesis 3.4.1). Counts, so that a scan can be taken out exactly.
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 namespace modslam {
 
@@ -14,34 +18,44 @@ class EvidenceGrid {
 
   /// One scan point at p [m], on a straight piece or not; sign -1 takes it back.
   void add(const Eigen::Vector2d& p, bool on_line, int sign) {
-    Counts& counts = cells_[key(p)];
-    (on_line ? counts.wall : counts.object) += sign;
-    if (counts.wall == 0 && counts.object == 0) cells_.erase(key(p));
+    const int i = index(p.x()), j = index(p.y());
+    tiles_[key_of(i, j)][cell_of(i, j)] += on_line ? sign : -sign;
+    if (const Index tile(i >> kShift, j >> kShift); changed_.empty() || changed_.back() != tile) changed_.push_back(tile);
+  }
+  /// Cells (column, row; counted from the map's origin) whose log-odds changed since the last call, as squares: corner and width.
+  std::vector<std::array<int, 3>> take_changed() {
+    std::sort(changed_.begin(), changed_.end());
+    changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+    std::vector<std::array<int, 3>> out;
+    for (const Index& tile : changed_) out.push_back({tile.first * kSide - 1, tile.second * kSide - 1, kSide + 2});
+    changed_.clear();
+    return out;
   }
   /// Log-odds of wall against object at p, over the cell and its neighbours; 0: nothing known.
   double log_odds(const Eigen::Vector2d& p) const {
     constexpr double kPerPoint = 0.4, kMost = 6.0;
+    const int i = index(p.x()), j = index(p.y());
     std::int64_t balance = 0;
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) {
-        const auto cell = cells_.find(key(p + resolution_m_ * Eigen::Vector2d(dx, dy)));
-        if (cell != cells_.end()) balance += cell->second.wall - cell->second.object;
-      }
-    return std::max(-kMost, std::min(kMost, kPerPoint * static_cast<double>(balance)));
+    for (int dj = -1; dj <= 1; ++dj)
+      for (int di = -1; di <= 1; ++di)
+        if (const auto tile = tiles_.find(key_of(i + di, j + dj)); tile != tiles_.end()) balance += tile->second[cell_of(i + di, j + dj)];
+    return std::clamp(kPerPoint * static_cast<double>(balance), -kMost, kMost);
   }
-  bool empty() const { return cells_.empty(); }
-  void clear() { cells_.clear(); }
 
  private:
-  struct Counts {
-    std::int32_t wall = 0, object = 0;
-  };
-  std::int64_t key(const Eigen::Vector2d& p) const {
-    const auto x = static_cast<std::int64_t>(std::floor(p.x() / resolution_m_)), y = static_cast<std::int64_t>(std::floor(p.y() / resolution_m_));
-    return (x << 32) ^ (y & 0xffffffff);
+  static constexpr int kShift = 5, kSide = 1 << kShift;
+  using Index = std::pair<int, int>;
+  using Tile = std::array<std::int32_t, kSide * kSide>;  ///< points on walls less points on objects
+
+  int index(double x_m) const { return static_cast<int>(std::floor(x_m / resolution_m_)); }
+  static std::int64_t key_of(int i, int j) {
+    return static_cast<std::int64_t>(i >> kShift) * (std::int64_t{1} << 32) + (j >> kShift);
   }
+  static std::size_t cell_of(int i, int j) { return static_cast<std::size_t>(((j & (kSide - 1)) << kShift) + (i & (kSide - 1))); }
+
   double resolution_m_;
-  std::unordered_map<std::int64_t, Counts> cells_;
+  std::unordered_map<std::int64_t, Tile> tiles_;
+  std::vector<Index> changed_;
 };
 
 }  // namespace modslam

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/semantics/floor.hpp"
 
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
+
+#include "common/semantics/islands.hpp"
 
 namespace modslam {
 namespace {
@@ -13,63 +16,120 @@ constexpr double kRay_m = 0.2;              // floor is at least this wide
 constexpr double kFan_m = 0.5, kNearSolid_m = 0.25;  // ... and at least this where nothing was hit near by: beams through a door spread like a fan
 constexpr double kSpeck_m2 = 1.0;  // smaller patches of floor on their own say nothing
 
+constexpr double kLongestThing_m = 6.4, kLongestSpeck_m = 4.8;
+
 double share_of_box(const cv::Mat1b& mask) {
-  std::vector<cv::Point> cells;
-  cv::findNonZero(mask, cells);
-  const cv::Size2f size = cv::minAreaRect(cells).size;
-  return static_cast<double>(cells.size()) / ((size.width + 1) * (size.height + 1));
+  const cv::Size2f size = cv::minAreaRect(rim_cells(mask)).size;
+  return cv::countNonZero(mask) / static_cast<double>((size.width + 1) * (size.height + 1));
+}
+
+cv::Mat structure(int shape, double width_m, double resolution_m) {
+  const int cells = 2 * static_cast<int>(std::lround(width_m / resolution_m / 2)) + 1;
+  return cv::getStructuringElement(shape, {cells, cells});
+}
+
+/// Cuts the islands off that lie around a change: `islands` has those of `mask` that `is_one` says so.
+Boxes update_islands(cv::Mat1b& islands, const cv::Mat1b& mask, const Boxes& changed, const IslandLimits& limits,
+                     const std::function<bool(const Island&)>& is_one) {
+  // What was an island and met the change is one no more, unless it is found again.
+  std::vector<Island> before, now;
+  each_island(islands, changed, limits, [&](const Island& island) { before.push_back(island); });
+  each_island(mask, changed, limits, [&](const Island& island) {
+    if (is_one(island)) now.push_back(island);
+  });
+  for (const Island& island : before) islands(island.box).setTo(0, island.mask);
+  for (const Island& island : now) islands(island.box).setTo(255, island.mask);
+  Boxes news;
+  const auto same = [](const Island& p, const Island& q) { return p.box == q.box && difference(p.mask, q.mask).area() == 0; };
+  const auto note = [&](const std::vector<Island>& these, const std::vector<Island>& those) {
+    for (const Island& one : these)
+      if (std::none_of(those.begin(), those.end(), [&](const Island& other) { return same(one, other); })) news.push_back(one.box);
+  };
+  note(before, now);
+  note(now, before);
+  return news;
+}
+
+/// The floor without what beams through gaps leave of it; of the window's cells those that are 15 or more off its rim are right.
+cv::Mat1b sweep(const cv::Mat1b& open, const cv::Mat1b& solid, double resolution_m) {
+  cv::Mat1b swept, broad;
+  // Single beams through a gap leave rays; what is thinner than a hand's breadth is none of the floor.
+  cv::morphologyEx(open, swept, cv::MORPH_OPEN, structure(cv::MORPH_ELLIPSE, kRay_m, resolution_m));
+  cv::dilate(solid, broad, structure(cv::MORPH_RECT, 2 * kNearSolid_m, resolution_m));
+  cv::bitwise_or(broad, swept, broad);
+  cv::morphologyEx(broad, broad, cv::MORPH_OPEN, structure(cv::MORPH_RECT, kFan_m, resolution_m));
+  cv::bitwise_and(swept, broad, swept);
+  return swept;
 }
 
 }  // namespace
 
+void Floor::allocate(const cv::Size& frame) {
+  for (cv::Mat1b* raster : {&open, &solid, &closed, &things, &swept, &specks}) *raster = cv::Mat1b(frame, std::uint8_t{0});
+  closed.setTo(255);
+  clearance = cv::Mat1f(frame, 0.0F);
+}
+
 Floor make_floor(const KnownSpace& space, double island_max_m2) {
   Floor floor;
-  floor.resolution_m = space.resolution_m;
-  if (space.empty()) return floor;
-  cv::inRange(space.occupancy, 1, 127, floor.open);
-  cv::inRange(space.occupancy, 128, 255, floor.solid);
-  cv::Mat1b closed;
-  cv::bitwise_not(floor.open, closed);
-  cv::Mat1i labels, statistics;
-  cv::Mat1d centres;
-  const int count = cv::connectedComponentsWithStats(closed, labels, statistics, centres, 8, CV_32S);
-  const double cell_m2 = space.resolution_m * space.resolution_m;
-  for (int k = 1; k < count; ++k) {
-    const cv::Rect box(statistics(k, cv::CC_STAT_LEFT), statistics(k, cv::CC_STAT_TOP), statistics(k, cv::CC_STAT_WIDTH),
-                       statistics(k, cv::CC_STAT_HEIGHT));
-    const bool at_border = box.x == 0 || box.y == 0 || box.br().x == closed.cols || box.br().y == closed.rows;
-    if (at_border || statistics(k, cv::CC_STAT_AREA) * cell_m2 > island_max_m2) continue;
-    cv::Mat1b mask;
-    cv::inRange(labels(box), k, k, mask);
-    const bool small = std::max(box.width, box.height) * space.resolution_m <= kSmall_m;
-    const bool thing = small || (thickness_m(mask, space.resolution_m) >= kWallThickness_m && share_of_box(mask) >= kCompact);
-    if (thing) floor.open(box).setTo(255, mask);
-  }
-  // Single beams through a gap leave rays; what is thinner than a hand's breadth is none of the floor.
-  const auto disc = [&](double width_m) {
-    const int cells = 2 * static_cast<int>(std::lround(width_m / space.resolution_m / 2)) + 1;
-    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {cells, cells});
-  };
-  cv::morphologyEx(floor.open, floor.open, cv::MORPH_OPEN, disc(kRay_m));
-  const auto square = [&](double width_m) {
-    const int cells = 2 * static_cast<int>(std::lround(width_m / space.resolution_m / 2)) + 1;
-    return cv::getStructuringElement(cv::MORPH_RECT, {cells, cells});
-  };
-  cv::Mat1b broad;
-  cv::dilate(floor.solid, broad, square(2 * kNearSolid_m));
-  cv::bitwise_or(broad, floor.open, broad);
-  cv::morphologyEx(broad, broad, cv::MORPH_OPEN, square(kFan_m));
-  cv::bitwise_and(floor.open, broad, floor.open);
-  // Beams that slipped through a window leave single cells and threads beyond it.
-  const int specks = cv::connectedComponentsWithStats(floor.open, labels, statistics, centres, 4, CV_32S);
-  for (int k = 1; k < specks; ++k)
-    if (statistics(k, cv::CC_STAT_AREA) * cell_m2 < kSpeck_m2) {
-      const cv::Rect box(statistics(k, cv::CC_STAT_LEFT), statistics(k, cv::CC_STAT_TOP), statistics(k, cv::CC_STAT_WIDTH),
-                         statistics(k, cv::CC_STAT_HEIGHT));
-      floor.open(box).setTo(0, labels(box) == k);
-    }
-  cv::distanceTransform(floor.open, floor.clearance, cv::DIST_L2, 5);
+  update_floor(floor, space, island_max_m2, {cv::Rect({0, 0}, space.occupancy.size())});
   return floor;
+}
+
+FloorChange update_floor(Floor& floor, const KnownSpace& space, double island_max_m2, const Boxes& changed) {
+  FloorChange change;
+  floor.resolution_m = space.resolution_m;
+  if (space.empty()) return change;
+  const cv::Size frame = space.occupancy.size();
+  if (floor.open.size() != frame) floor.allocate(frame);
+  const double cell_m = space.resolution_m, cell_m2 = cell_m * cell_m;
+  const auto cells = [&](double metres) { return static_cast<int>(std::ceil(metres / cell_m)); };
+  cv::Mat1b picture;
+  Boxes stirred;
+  for (const cv::Rect& box : changed) {
+    cv::inRange(space.occupancy(box), 128, 255, picture);
+    take_over(floor.solid, box, picture, change.solid);
+    cv::inRange(space.occupancy(box), 1, 127, picture);
+    cv::bitwise_not(picture, picture);
+    take_over(floor.closed, box, picture, stirred);
+  }
+  const auto limits = [&](double longest_m, double most_m2, int connectivity) {
+    return IslandLimits{cells(longest_m), static_cast<int>(most_m2 / cell_m2), connectivity};
+  };
+  const auto is_thing = [&](const Island& island) {
+    if (std::max(island.box.width, island.box.height) * cell_m <= kSmall_m) return true;
+    return thickness_m(island.mask, cell_m) >= kWallThickness_m && share_of_box(island.mask) >= kCompact;
+  };
+  const Boxes things = update_islands(floor.things, floor.closed, stirred, limits(kLongestThing_m, island_max_m2, 8), is_thing);
+  stirred.insert(stirred.end(), things.begin(), things.end());
+  stirred.insert(stirred.end(), change.solid.begin(), change.solid.end());
+
+  const int reach = cells(kRay_m + 2 * kNearSolid_m + kFan_m);
+  Boxes swept;
+  for (const cv::Rect& box : windows(stirred, reach, frame)) {
+    const cv::Rect window = grown(box, reach) & cv::Rect({0, 0}, frame);
+    cv::Mat1b open;
+    cv::bitwise_not(floor.closed(window), open);
+    cv::bitwise_or(open, floor.things(window), open);
+    take_over(floor.swept, box, sweep(open, floor.solid(window), cell_m)(box - window.tl()), swept);
+  }
+  // Beams that slipped through a window leave single cells and threads beyond it.
+  const auto is_speck = [](const Island&) { return true; };
+  const Boxes specks = update_islands(floor.specks, floor.swept, swept, limits(kLongestSpeck_m, kSpeck_m2, 4), is_speck);
+  swept.insert(swept.end(), specks.begin(), specks.end());
+  for (const cv::Rect& box : swept) {
+    cv::bitwise_not(floor.specks(box), picture);
+    cv::bitwise_and(floor.swept(box), picture, picture);
+    take_over(floor.open, box, picture, change.open);
+  }
+  const int farthest = cells(Floor::kFarthest_m);
+  for (const cv::Rect& box : windows(change.open, farthest, frame)) {
+    const cv::Rect window = grown(box, farthest) & cv::Rect({0, 0}, frame);
+    cv::Mat1f clearance;
+    cv::distanceTransform(floor.open(window), clearance, cv::DIST_L2, 5);
+    take_over(floor.clearance, box, cv::min(clearance(box - window.tl()), static_cast<float>(farthest)), change.clearance);
+  }
+  return change;
 }
 
 }  // namespace modslam

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/semantics/plan_index.hpp"
+
 namespace modslam {
 namespace {
 
@@ -14,6 +16,8 @@ constexpr double kLongest_m = 5.5;                          // of a front
 constexpr double kLongDepth_m = 1.3;                        // its depth when it is long (counters, shelves) ...
 constexpr double kBulky_m = 2.6, kBulkyDepth_m = 2.2;       // ... when it is not (beds, cupboards) ...
 constexpr double kCarFrom_m = 1.4, kCarTo_m = 2.3, kCarDepth_m = 5.2;  // ... and of a parked car
+constexpr double kSquare_m = 3.2, kBesideBack_m = 1.0;
+const double kSameWay = std::cos(0.15);
 constexpr double kLeastDepth_m = 0.15;
 constexpr double kTouch_m = 0.25, kDoor_m = 1.7, kInLine_m = 0.12;
 constexpr double kInwards_m2 = 0.5;
@@ -44,7 +48,12 @@ double distance_to(const Vec& p, const Wall& wall) {
 class FurnitureFinder {
  public:
   FurnitureFinder(const std::vector<Wall>& walls, const std::function<bool(const Vec&)>& is_free)
-      : walls_(walls), is_free_(is_free), furniture_(walls.size(), false) {}
+      : walls_(walls), is_free_(is_free), furniture_(walls.size(), false), index_(kSquare_m) {
+    for (std::size_t k = 0; k < walls.size(); ++k) {
+      directions_.push_back(walls[k].direction());
+      index_.add(walls[k].a, walls[k].b, k);
+    }
+  }
 
   std::vector<bool> run() {
     find_fronts();
@@ -55,15 +64,20 @@ class FurnitureFinder {
 
  private:
   void find_fronts() {
-    for (std::size_t i = 0; i < walls_.size(); ++i)
-      for (std::size_t j = 0; j < walls_.size() && !furniture_[i]; ++j)
-        if (j != i && stands_before(walls_[i], walls_[j])) furniture_[i] = true;
+    for (std::size_t i = 0; i < walls_.size(); ++i) {
+      const double deepest = deepest_m(walls_[i].length_m());
+      if (deepest == 0) continue;
+      for (const std::size_t j : index_.near(walls_[i].a, walls_[i].b, deepest + kBesideBack_m))
+        if (j != i && directions_[i].dot(directions_[j]) >= kSameWay && stands_before(walls_[i], walls_[j])) {
+          furniture_[i] = true;
+          break;
+        }
+    }
   }
 
   /// Whether the wall is seen beside the front, looks the same way, and nothing free lies between the two.
   bool stands_before(const Wall& front, const Wall& back) {
     const Vec d = back.direction(), out = back.normal();
-    if (d.dot(front.direction()) < std::cos(0.15)) return false;
     const Niche niche{back.a, d, out, d.dot(front.a - back.a), d.dot(front.b - back.a), out.dot(0.5 * (front.a + front.b) - back.a)};
     if (niche.depth < kLeastDepth_m || niche.depth > deepest_m(front.length_m())) return false;
     if (niche.low > back.length_m() + 0.5 || niche.high < -0.5) return false;
@@ -80,8 +94,10 @@ class FurnitureFinder {
 
   double length_behind(const Wall& back, const Niche& niche) const {
     double sum = 0;
-    for (const Wall& wall : walls_) {
-      if (niche.along.dot(wall.direction()) < 0.99 || std::abs(niche.out.dot(0.5 * (wall.a + wall.b) - back.a)) > kInLine_m) continue;
+    const Vec low_end = niche.origin + niche.low * niche.along, high_end = niche.origin + niche.high * niche.along;
+    for (const std::size_t k : index_.near(low_end, high_end, 1 + kInLine_m)) {
+      const Wall& wall = walls_[k];
+      if (niche.along.dot(directions_[k]) < 0.99 || std::abs(niche.out.dot(0.5 * (wall.a + wall.b) - back.a)) > kInLine_m) continue;
       const double low = niche.along.dot(wall.a - niche.origin), high = niche.along.dot(wall.b - niche.origin);
       if (low < niche.high + 1 && high > niche.low - 1) sum += wall.length_m();
     }
@@ -89,10 +105,11 @@ class FurnitureFinder {
   }
 
   void find_sides() {
-    for (std::size_t i = 0; i < walls_.size(); ++i)
-      furniture_[i] = furniture_[i] || std::any_of(niches_.begin(), niches_.end(), [&](const Niche& niche) {
-        return std::abs(niche.along.dot(walls_[i].direction())) < 0.3 && niche.holds(walls_[i].a) && niche.holds(walls_[i].b);
-      });
+    for (const Niche& niche : niches_) {
+      const Vec low = niche.origin + niche.low * niche.along, high = niche.origin + niche.high * niche.along + niche.depth * niche.out;
+      for (const std::size_t i : index_.near(low, high, niche.depth))
+        if (std::abs(niche.along.dot(directions_[i])) < 0.3 && niche.holds(walls_[i].a) && niche.holds(walls_[i].b)) furniture_[i] = true;
+    }
   }
 
   bool belong_together(const Wall& p, const Wall& q) const {
@@ -115,8 +132,8 @@ class FurnitureFinder {
       return k;
     };
     for (std::size_t i = 0; i < walls_.size(); ++i)
-      for (std::size_t j = i + 1; j < walls_.size(); ++j)
-        if (!furniture_[i] && !furniture_[j] && root(i) != root(j) && belong_together(walls_[i], walls_[j])) group[root(i)] = root(j);
+      for (const std::size_t j : index_.near(walls_[i].a, walls_[i].b, kDoor_m + 0.3))
+        if (j > i && !furniture_[i] && !furniture_[j] && root(i) != root(j) && belong_together(walls_[i], walls_[j])) group[root(i)] = root(j);
     std::vector<Vec> low(walls_.size(), Vec(1e9, 1e9)), high(walls_.size(), Vec(-1e9, -1e9));
     Vec all_low(1e9, 1e9), all_high(-1e9, -1e9);
     for (std::size_t i = 0; i < walls_.size(); ++i)
@@ -141,6 +158,8 @@ class FurnitureFinder {
   const std::function<bool(const Vec&)>& is_free_;
   std::vector<bool> furniture_;
   std::vector<Niche> niches_;
+  std::vector<Vec> directions_;
+  PlanIndex index_;
 };
 
 }  // namespace

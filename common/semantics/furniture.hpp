@@ -9,7 +9,7 @@
 namespace modslam {
 
 /// @param is_free whether the floor was seen free at a place: behind the front of a cupboard nothing was. @return one flag a wall.
-/// O(walls^2).
+/// Cost by the number of walls.
 std::vector<bool> find_furniture(const std::vector<Wall>& walls, const std::function<bool(const Eigen::Vector2d&)>& is_free);
 
 }  // namespace modslam

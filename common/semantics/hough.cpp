@@ -41,36 +41,52 @@ class Accumulator {
     angles_ = static_cast<int>(std::lround(kPi / options.cell_rad));
     half_ = static_cast<int>(reach / options.cell_m) + 2;
     votes_ = cv::Mat1s(angles_, 2 * half_ + 1, std::int16_t{0});
+    normals_.resize(2, angles_);
+    rows_.resize(angles_);
     for (int k = 0; k < angles_; ++k) {
       const double angle = k * kPi / angles_;
-      normals_.push_back({std::cos(angle), std::sin(angle)});
+      normals_.col(k) = Eigen::Vector2d(std::cos(angle), std::sin(angle)).cast<float>();
+      rows_(k) = k * votes_.cols;
     }
+    x_ = normals_.row(0).transpose();
+    y_ = normals_.row(1).transpose();
+    for (const ScanPoint& point : points) vote(point.p, 1);
+    most_ = Eigen::ArrayXi::Constant(angles_, static_cast<int>(points.size()));
   }
-  void vote(const Eigen::Vector2d& p, int weight) {
-    const double inverse = 1 / options_.cell_m, offset = half_;
-    const Eigen::Vector2d q = inverse * (p - origin_);
-    for (int k = 0; k < angles_; ++k) {
-      const Eigen::Vector2d& n = normals_[static_cast<std::size_t>(k)];
-      std::int16_t& votes = votes_(k, static_cast<int>(n.x() * q.x() + n.y() * q.y() + offset));
-      votes = static_cast<std::int16_t>(votes + weight);
-    }
-  }
+  void take_back(const Eigen::Vector2d& p) { vote(p, -1); }
+
   /// Fullest bucket. @return its votes.
-  int fullest(Eigen::Vector2d& normal, double& distance) const {
-    double most = 0;
-    cv::Point at;
-    cv::minMaxLoc(votes_, nullptr, &most, nullptr, &at);
-    normal = normals_[static_cast<std::size_t>(at.y)];
-    distance = (at.x - half_ + 0.5) * options_.cell_m + normal.dot(origin_);
-    return static_cast<int>(most);
+  int fullest(Eigen::Vector2d& normal, double& distance) {
+    // Votes only go: what was the most of an angle bounds it, and few angles need another look.
+    for (;;) {
+      int angle = 0;
+      const int bound = most_.maxCoeff(&angle);
+      double most = 0;
+      cv::Point at;
+      cv::minMaxLoc(votes_.row(angle), nullptr, &most, nullptr, &at);
+      most_(angle) = static_cast<int>(most);
+      if (most_(angle) < bound) continue;
+      normal = normals_.col(angle).cast<double>();
+      distance = (at.x - half_ + 0.5) * options_.cell_m + normal.dot(origin_);
+      return bound;
+    }
   }
 
  private:
+  void vote(const Eigen::Vector2d& p, int weight) {
+    const Eigen::Vector2f q = ((p - origin_) / options_.cell_m).cast<float>();
+    buckets_ = (x_ * q.x() + y_ * q.y() + static_cast<float>(half_)).cast<int>() + rows_;
+    std::int16_t* votes = votes_[0];
+    for (int k = 0; k < angles_; ++k) votes[buckets_(k)] = static_cast<std::int16_t>(votes[buckets_(k)] + weight);
+  }
   HoughOptions options_;
   Eigen::Vector2d origin_;
   int angles_ = 0, half_ = 0;
-  std::vector<Eigen::Vector2d> normals_;
+  Eigen::Matrix2Xf normals_;
+  Eigen::ArrayXf x_, y_;       ///< of the normals
+  Eigen::ArrayXi rows_, buckets_;
   cv::Mat1s votes_;
+  Eigen::ArrayXi most_;  ///< of each angle, at most
 };
 
 /// Runs of members without a gap, in order along the line.
@@ -127,7 +143,6 @@ LineExtraction extract_lines(const std::vector<ScanPoint>& points, const Eigen::
   out.on_segment.assign(points.size(), false);
   if (static_cast<int>(points.size()) < options.min_points) return out;
   Accumulator votes(points, options);
-  for (const ScanPoint& point : points) votes.vote(point.p, 1);
   std::vector<bool> used(points.size(), false);
 
   const auto members_of = [&](const Eigen::Vector2d& normal, double distance, double thickness_m) {
@@ -173,7 +188,7 @@ LineExtraction extract_lines(const std::vector<ScanPoint>& points, const Eigen::
     for (const int k : taken)
       if (!used[static_cast<std::size_t>(k)]) {
         used[static_cast<std::size_t>(k)] = true;
-        votes.vote(points[static_cast<std::size_t>(k)].p, -1);
+        votes.take_back(points[static_cast<std::size_t>(k)].p);
       }
   }
   return out;

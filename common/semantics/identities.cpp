@@ -3,10 +3,26 @@
 
 #include <algorithm>
 
+#include "common/semantics/plan_index.hpp"
 #include "common/semantics/room_finder.hpp"
 
 namespace modslam {
 namespace {
+
+constexpr double kSquare_m = 3.2, kReach_m = 0.6;  // things farther apart are not the same
+
+struct Box {
+  Eigen::Vector2d low{1e300, 1e300}, high{-1e300, -1e300};
+  explicit Box(const std::vector<Eigen::Vector2d>& outline) {
+    for (const Eigen::Vector2d& p : outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  }
+  double area() const { return std::max(0.0, high.x() - low.x()) * std::max(0.0, high.y() - low.y()); }
+};
+
+Box box_of(const Wall& wall) { return Box({wall.a, wall.b}); }
+Box box_of(const Door& door) { return Box({door.a, door.b}); }
+Box box_of(const Room& room) { return Box(room.outline); }
+Box box_of(const Object& object) { return Box(object.outline); }
 
 /// Gives each new thing the id of the old thing it is most like, each old id once; `likeness` <= 0: not the same.
 template <class Thing, class Likeness>
@@ -16,9 +32,16 @@ void keep_ids(std::vector<Thing>& now, const std::vector<Thing>& before, std::in
     std::size_t now, before;
   };
   std::vector<Pair> pairs;
-  for (std::size_t i = 0; i < now.size(); ++i)
-    for (std::size_t j = 0; j < before.size(); ++j)
+  PlanIndex index(kSquare_m);
+  for (std::size_t j = 0; j < before.size(); ++j) {
+    const Box box = box_of(before[j]);
+    index.add(box.low, box.high, j);
+  }
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const Box box = box_of(now[i]);
+    for (const std::size_t j : index.near(box.low, box.high, kReach_m))
       if (const double like = likeness(now[i], before[j]); like > 0) pairs.push_back({like, i, j});
+  }
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.likeness > b.likeness; });
   std::vector<bool> taken(before.size(), false);
   for (const Pair& pair : pairs) {
@@ -63,14 +86,6 @@ double outline_iou(const std::vector<Eigen::Vector2d>& p, const std::vector<Eige
     }
   return in_any ? static_cast<double>(in_both) / in_any : 0.0;
 }
-
-struct Box {
-  Eigen::Vector2d low{1e300, 1e300}, high{-1e300, -1e300};
-  explicit Box(const std::vector<Eigen::Vector2d>& outline) {
-    for (const Eigen::Vector2d& p : outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  }
-  double area() const { return std::max(0.0, high.x() - low.x()) * std::max(0.0, high.y() - low.y()); }
-};
 
 /// Intersection over union of the boxes around both: outlines far apart need no closer look.
 double box_iou(const Box& p, const Box& q) {

@@ -2,12 +2,11 @@
 #include "common/semantics/interpret.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
+#include <tuple>
 
-#include "common/semantics/door_map.hpp"
 #include "common/semantics/furniture.hpp"
-#include "common/semantics/object_finder.hpp"
-#include "common/semantics/room_finder.hpp"
 
 namespace modslam {
 namespace {
@@ -15,13 +14,36 @@ namespace {
 constexpr double kAtOutline_m = 0.2;  // walls lie this near the outline of their room
 constexpr double kBehind_m = 0.2;     // a face hides what lies this far behind it
 
-/// Whether most of the wall's face has cells of the mask right behind it.
-bool stands_on(const cv::Mat1b& mask, const Wall& wall, const KnownSpace& space) {
+WallMapOptions wall_options(const SemanticsConfig& config) {
+  WallMapOptions options;
+  options.min_length_m = config.wall_min_m;
+  options.min_sightings = static_cast<int>(config.wall_sightings);
+  return options;
+}
+
+PartitionOptions parting_options(const SemanticsConfig& config) {
+  PartitionOptions options;
+  options.min_probability = config.opening_probability;
+  options.min_room_m2 = config.room_min_m2;
+  return options;
+}
+
+RoomOptions room_options(const SemanticsConfig& config) {
+  RoomOptions options;
+  options.min_area_m2 = config.room_min_m2;
+  options.min_enclosed = config.room_enclosed;
+  options.min_explored = config.room_explored;
+  return options;
+}
+
+/// Whether most of the wall's face has cells right behind it that `is_it` says yes to.
+template <class IsIt>
+bool stands_on(const Wall& wall, const KnownSpace& space, IsIt is_it) {
   int behind = 0, looked = 0;
   for (double s = 0.1; s < wall.length_m(); s += 0.1, ++looked)
     for (const double depth : {0.0, 0.1}) {
       const cv::Point c = space.cell(wall.a + s * wall.direction() - depth * wall.normal());
-      if (space.inside(c) && !mask.empty() && mask(c)) {
+      if (space.inside(c) && is_it(c)) {
         ++behind;
         break;
       }
@@ -29,99 +51,45 @@ bool stands_on(const cv::Mat1b& mask, const Wall& wall, const KnownSpace& space)
   return 2 * behind > looked;
 }
 
-/// Takes out of the objects what is a piece of wall between two doors, with furniture against it or
-/// without: its face goes on, in line, beyond a gap no wider than a door, as a wall that stands on
-/// no object.
-void drop_pieces_of_wall(ObjectMap& found, const std::vector<WallBand>& bands,
-                         const KnownSpace& space, const SemanticsConfig& config) {
-  const cv::Mat1b all = found.mask.clone();
-  const auto goes_on = [&](const Wall& face, const Wall& next, double gap_m) {
-    return gap_m <= config.door_max_m && next.length_m() > 1.0 && face.length_m() > 1.0 &&
-           !stands_on(all, next, space);
-  };
-  const auto is_wall = [&](const Object& object) {
-    cv::Mat1b mask(all.size(), std::uint8_t{0});
-    std::vector<cv::Point> ring;
-    for (const Eigen::Vector2d& p : object.outline) ring.push_back(space.cell(p));
-    cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{ring}, cv::Scalar(255));
-    for (const WallBand& band : bands)
-      for (std::size_t k = 0; k + 1 < band.walls.size(); ++k) {
-        const Wall &p = band.walls[k], &q = band.walls[k + 1];
-        const double gap_m = (q.a - p.b).norm();
-        if ((stands_on(mask, p, space) && goes_on(p, q, gap_m)) ||
-            (stands_on(mask, q, space) && goes_on(q, p, gap_m))) {
-          found.mask.setTo(0, mask);
-          return true;
-        }
-      }
-    return false;
-  };
-  found.objects.erase(std::remove_if(found.objects.begin(), found.objects.end(), is_wall),
-                      found.objects.end());
-}
-
-/// Walls without the faces of furniture, band by band.
-std::vector<Wall> find_walls(const SemanticEvidence& evidence, ObjectMap& objects,
-                             const SemanticsConfig& config) {
-  const KnownSpace& space = evidence.space;
-  WallMapOptions options;
-  options.min_length_m = config.wall_min_m;
-  options.min_sightings = static_cast<int>(config.wall_sightings);
-  const auto is_solid = [&](const Eigen::Vector2d& p) {
-    const cv::Point c = space.cell(p);
-    for (int dy = -2; dy <= 2; ++dy)
-      for (int dx = -2; dx <= 2; ++dx)
-        if (space.is_occupied(c + cv::Point(dx, dy))) return true;
-    return false;
-  };
-  std::vector<WallBand> bands = merge_segments(evidence.scans, options, is_solid);
-  drop_pieces_of_wall(objects, bands, space, config);
-  for (WallBand& band : bands) {
-    // The face of a thing that stands free is not a wall: what lies behind it belongs to the
-    // object.
-    const auto is_face = [&](const Wall& wall) { return stands_on(objects.mask, wall, space); };
-    band.walls.erase(std::remove_if(band.walls.begin(), band.walls.end(), is_face),
-                     band.walls.end());
-  }
-  std::vector<Wall> faces;
-  for (const WallBand& band : bands)
-    faces.insert(faces.end(), band.walls.begin(), band.walls.end());
-  const std::vector<bool> furniture =
-      find_furniture(faces, [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); });
-  std::vector<Wall> walls;
-  for (std::size_t k = 0; k < faces.size(); ++k) {
-    if (furniture[k]) continue;
-    Wall& wall = faces[k];
-    double sum = 0;
-    int count = 0;
-    for (double s = 0.05; s < wall.length_m(); s += 0.1, ++count)
-      sum += evidence.wall_log_odds(wall.a + s * wall.direction());
-    wall.evidence = count ? sum / count : 0.0;
-    walls.push_back(wall);
-  }
-  return walls;
-}
-
-/// Faces that stand in a room, off its outline, with what nobody saw behind them, belong to what is in the room: parked cars, beds, counters.
-void drop_faces_in_rooms(std::vector<Wall>& walls, const std::vector<Room>& rooms, const Floor& floor, const KnownSpace& space) {
-  cv::Mat1b hidden(space.occupancy.size(), std::uint8_t{0});
-  std::vector<std::vector<cv::Point>> rings;
-  for (const Room& room : rooms) {
-    rings.emplace_back();
-    for (const Eigen::Vector2d& p : room.outline) rings.back().push_back(space.cell(p));
-    cv::fillPoly(hidden, std::vector<std::vector<cv::Point>>{rings.back()}, cv::Scalar(255));
-  }
-  cv::polylines(hidden, rings, true, cv::Scalar(0), 2 * static_cast<int>(std::lround(kAtOutline_m / space.resolution_m)) + 1);
-  hidden.setTo(0, floor.open);
-  const auto hides = [&](const Wall& wall) {
-    int behind = 0, looked = 0;
-    for (double s = 0.1; s < wall.length_m(); s += 0.1, ++looked) {
-      const cv::Point c = space.cell(wall.a + s * wall.direction() - kBehind_m * wall.normal());
-      behind += space.inside(c) && hidden(c);
+/// Objects that are a piece of wall between two doors, with furniture against it or without: its face goes on, in line, beyond a gap no wider than a door,
+/// as a wall that stands on no object.
+std::vector<bool> pieces_of_wall(const ObjectMap& found, const std::vector<WallBand>& bands, const KnownSpace& space, const SemanticsConfig& config) {
+  std::vector<bool> pieces(found.objects.size(), false);
+  const auto mark = [&](const Wall& face, const Wall& next, double gap_m) {
+    if (!face.on_object || next.on_object || gap_m > config.door_max_m || next.length_m() <= 1.0 || face.length_m() <= 1.0) return;
+    const cv::Rect box = grown(cv::Rect(space.cell(face.a), cv::Size(1, 1)) | cv::Rect(space.cell(face.b), cv::Size(1, 1)), 4);
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      const Island& island = found.objects[k].island;
+      if (pieces[k] || !meet(island.box, box)) continue;
+      pieces[k] = stands_on(face, space, [&](const cv::Point& c) { return island.box.contains(c) && island.mask(c - island.box.tl()); });
     }
-    return 2 * behind > looked;
   };
-  walls.erase(std::remove_if(walls.begin(), walls.end(), hides), walls.end());
+  for (const WallBand& band : bands)
+    for (std::size_t k = 0; k + 1 < band.walls.size(); ++k) {
+      const Wall &p = band.walls[k], &q = band.walls[k + 1];
+      const double gap_m = (q.a - p.b).norm();
+      mark(p, q, gap_m);
+      mark(q, p, gap_m);
+    }
+  return pieces;
+}
+
+/// The face of a thing that stands free is not a wall: what lies behind it belongs to the object.
+std::vector<Wall> without_faces(const std::vector<WallBand>& bands, const ObjectMap& objects, const std::vector<bool>& dropped, const KnownSpace& space) {
+  const auto is_object = [&](const cv::Point& c) {
+    if (!objects.mask(c)) return false;
+    for (std::size_t k = 0; k < dropped.size(); ++k) {
+      const Island& island = objects.objects[k].island;
+      if (dropped[k] && island.box.contains(c) && island.mask(c - island.box.tl())) return false;
+    }
+    return true;
+  };
+  const bool all_stay = std::none_of(dropped.begin(), dropped.end(), [](bool one) { return one; });
+  std::vector<Wall> out;
+  for (const WallBand& band : bands)
+    for (const Wall& wall : band.walls)
+      if (!wall.on_object || (!all_stay && !stands_on(wall, space, is_object))) out.push_back(wall);
+  return out;
 }
 
 /// A door leads to rooms; a small space behind it that is none was seen through it and may be anything.
@@ -132,31 +100,123 @@ void drop_doors_to_glimpses(std::vector<Door>& doors, const Partition& partition
   doors.erase(std::remove_if(doors.begin(), doors.end(), leads_there), doors.end());
 }
 
+bool is_before(const Wall& p, const Wall& q) {
+  const auto order = [](const Wall& w) { return std::tuple(w.a.x(), w.a.y(), w.b.x(), w.b.y()); };
+  return order(p) < order(q);
+}
+
 }  // namespace
 
-SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig& config, const OpeningModel& model) {
-  const KnownSpace& space = evidence.space;
+Interpreter::Interpreter(const SemanticsConfig& config)
+    : config_(config), walls_(wall_options(config)), openings_(config.opening_max_m, OpeningModel(config.opening_trees)), parter_(parting_options(config)),
+      rooms_(room_options(config)) {}
+
+std::vector<WallBand> Interpreter::find_bands(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed) {
+  const auto is_solid = [&](const Eigen::Vector2d& p) {
+    const cv::Point c = space.cell(p);
+    for (int dy = -2; dy <= 2; ++dy)
+      for (int dx = -2; dx <= 2; ++dx)
+        if (space.is_occupied(c + cv::Point(dx, dy))) return true;
+    return false;
+  };
+  const auto finish = [&](Wall& wall) {
+    double sum = 0;
+    int count = 0;
+    for (double s = 0.05; s < wall.length_m(); s += 0.1, ++count) sum += wall_log_odds(wall.a + s * wall.direction());
+    wall.evidence = count ? sum / count : 0.0;
+    wall.on_object = stands_on(wall, space, [&](const cv::Point& c) { return objects_.mask(c) > 0; });
+  };
+  const double cell_m = space.resolution_m;
+  for (const cv::Rect& box : changed)
+    odds_changed.push_back(plan_box(space.origin_m + cell_m * Eigen::Vector2d(box.x, box.y), space.origin_m + cell_m * Eigen::Vector2d(box.br().x, box.br().y), 0));
+  return walls_.update(is_solid, finish, odds_changed);
+}
+
+Boxes Interpreter::changes_of_walls(const std::vector<Wall>& walls, const KnownSpace& space) {
+  std::vector<Wall> ordered = walls, news;
+  std::sort(ordered.begin(), ordered.end(), is_before);
+  std::set_symmetric_difference(ordered.begin(), ordered.end(), known_walls_.begin(), known_walls_.end(), std::back_inserter(news), is_before);
+  known_walls_ = std::move(ordered);
+  Boxes boxes;
+  for (const Wall& wall : news)
+    boxes.push_back(grown(cv::Rect(space.cell(wall.a), cv::Size(1, 1)) | cv::Rect(space.cell(wall.b), cv::Size(1, 1)), static_cast<int>(0.3 / space.resolution_m)));
+  return boxes;
+}
+
+/// Faces that stand in a room, off its outline, with what nobody saw behind them, belong to what is in the room: parked cars, beds, counters.
+void Interpreter::drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& space, const Boxes& open) {
+  if (hidden_.size() != space.occupancy.size()) hidden_ = cv::Mat1b(space.occupancy.size(), std::uint8_t{0});
+  const int thick = 2 * static_cast<int>(std::lround(kAtOutline_m / space.resolution_m)) + 1;
+  std::map<int, std::vector<Eigen::Vector2d>> outlines;
+  for (const Room& room : layers.rooms) outlines[room.region] = room.outline;
+  const auto ring_of = [&](const std::vector<Eigen::Vector2d>& outline, const cv::Point& corner) {
+    std::vector<cv::Point> ring;
+    for (const Eigen::Vector2d& p : outline) ring.push_back(space.cell(p) - corner);
+    return ring;
+  };
+  Boxes stirred = open;
+  std::map<int, cv::Rect> boxes;
+  const auto note = [&](const auto& these, const auto& those) {
+    for (const auto& [region, outline] : these) {
+      const auto other = those.find(region);
+      const cv::Rect box = grown(cv::boundingRect(ring_of(outline, {0, 0})), thick);
+      boxes[region] = box;
+      if (other == those.end() || other->second != outline) stirred.push_back(box);
+    }
+  };
+  note(known_outlines_, outlines);
+  note(outlines, known_outlines_);
+  for (const cv::Rect& box : windows(stirred, 0, hidden_.size())) {
+    cv::Mat1b part = hidden_(box);
+    part.setTo(0);
+    std::vector<std::vector<cv::Point>> rings;
+    for (const auto& [region, outline] : outlines) {
+      if (!meet(boxes[region], box)) continue;
+      rings.push_back(ring_of(outline, box.tl()));
+      cv::fillPoly(part, std::vector<std::vector<cv::Point>>{rings.back()}, cv::Scalar(255));
+    }
+    cv::polylines(part, rings, true, cv::Scalar(0), thick);
+    part.setTo(0, floor_.open(box));
+  }
+  known_outlines_ = std::move(outlines);
+  const auto hides = [&](const Wall& wall) {
+    const Eigen::Vector2d u = wall.direction(), from = wall.a - kBehind_m * wall.normal();
+    int behind = 0, looked = 0;
+    for (double s = 0.1, length_m = wall.length_m(); s < length_m; s += 0.1, ++looked) {
+      const cv::Point c = space.cell(from + s * u);
+      behind += space.inside(c) && hidden_(c);
+    }
+    return 2 * behind > looked;
+  };
+  layers.walls.erase(std::remove_if(layers.walls.begin(), layers.walls.end(), hides), layers.walls.end());
+}
+
+SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed) {
   SemanticLayers layers;
-  ObjectMap objects = find_objects(space, config.object_max_m2);
-  layers.walls = find_walls(evidence, objects, config);
-  layers.objects = objects.objects;
-  const Floor floor = make_floor(space, config.object_max_m2);
-  PartitionOptions parting;
-  parting.min_probability = config.opening_probability;
-  parting.min_room_m2 = config.room_min_m2;
-  const std::vector<Opening> openings = find_openings(floor, space, layers.walls, config.opening_max_m, model);
-  const Partition partition = part_floor(floor, space, layers.walls, openings, parting);
+  if (space.empty()) return layers;
+  const FloorChange floor = update_floor(floor_, space, config_.object_max_m2, changed);
+  Boxes stirred = update_objects(objects_, space, floor_, config_.object_max_m2, changed);
+  stirred.insert(stirred.end(), changed.begin(), changed.end());
+  const std::vector<WallBand> bands = find_bands(space, stirred, wall_log_odds, odds_changed);
+  const std::vector<bool> dropped = pieces_of_wall(objects_, bands, space, config_);
+  for (std::size_t k = 0; k < dropped.size(); ++k)
+    if (!dropped[k]) layers.objects.push_back(objects_.objects[k].object);
+  const std::vector<Wall> faces = without_faces(bands, objects_, dropped, space);
+  const std::vector<bool> furniture = find_furniture(faces, [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); });
+  for (std::size_t k = 0; k < faces.size(); ++k)
+    if (!furniture[k]) layers.walls.push_back(faces[k]);
+
+  const Boxes walls = changes_of_walls(layers.walls, space);
+  openings_.update(floor_, space, layers.walls, floor, walls);
+  Boxes parted = parter_.update(floor_, space, layers.walls, openings_.openings(config_.opening_probability), floor.open, walls);
   DoorMapOptions doors;
-  doors.min_width_m = config.door_min_m;
-  doors.max_width_m = config.door_max_m;
-  layers.doors = find_doors(partition, evidence.sightings, doors);
-  RoomOptions rooms;
-  rooms.min_area_m2 = config.room_min_m2;
-  rooms.min_enclosed = config.room_enclosed;
-  rooms.min_explored = config.room_explored;
-  layers.rooms = find_rooms(partition, floor, space, rooms);
-  drop_doors_to_glimpses(layers.doors, partition, layers.rooms, space.resolution_m, rooms.glimpse_m2);
-  drop_faces_in_rooms(layers.walls, layers.rooms, floor, space);
+  doors.min_width_m = config_.door_min_m;
+  doors.max_width_m = config_.door_max_m;
+  layers.doors = find_doors(parter_.partition(), sightings_, doors);
+  parted.insert(parted.end(), changed.begin(), changed.end());
+  layers.rooms = rooms_.update(parter_.partition(), floor_, space, parted);
+  drop_doors_to_glimpses(layers.doors, parter_.partition(), layers.rooms, space.resolution_m, room_options(config_).glimpse_m2);
+  drop_faces_in_rooms(layers, space, floor.open);
   return layers;
 }
 

@@ -2,26 +2,46 @@
 /// @file From evidence to walls, rooms, doors and objects: the same for a run and for a finished map.
 #pragma once
 #include <functional>
-#include <vector>
 
-#include "common/semantics/door_sensor.hpp"
-#include "common/semantics/known_space.hpp"
-#include "common/semantics/opening_model.hpp"
+#include "common/semantics/door_map.hpp"
+#include "common/semantics/object_finder.hpp"
+#include "common/semantics/room_finder.hpp"
 #include "common/semantics/semantics_config.hpp"
-#include "common/semantics/types.hpp"
 #include "common/semantics/wall_map.hpp"
 
 namespace modslam {
 
-/// All in the map frame.
-struct SemanticEvidence {
-  KnownSpace space;
-  std::vector<PlacedSegments> scans;
-  std::vector<DoorSighting> sightings;
-  std::function<double(const Eigen::Vector2d&)> wall_log_odds;
-};
+/// Keeps the layers in step with the evidence. Every stage is told where the one before it changed, and works out anew what depends on that; the result is
+/// the one of an interpreter that sees the same evidence for the first time.
+class Interpreter {
+ public:
+  using LogOdds = std::function<double(const Eigen::Vector2d&)>;
 
-/// Ids are left 0.
-SemanticLayers interpret(const SemanticEvidence& evidence, const SemanticsConfig& config, const OpeningModel& model);
+  explicit Interpreter(const SemanticsConfig& config);
+
+  /// What a scan showed, map frame; sign -1 takes it back.
+  void add(const Segment& segment, int sign) { walls_.add(segment, sign); }
+  void add(const DoorSighting& sighting, int sign) { sightings_.add(sighting, sign); }
+
+  /// @param changed  cells of the space, @param odds_changed  plan_box()es of the log-odds that changed since the last call. Ids are left 0.
+  SemanticLayers update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed);
+
+ private:
+  std::vector<WallBand> find_bands(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed);
+  Boxes changes_of_walls(const std::vector<Wall>& walls, const KnownSpace& space);
+  void drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& space, const Boxes& open);
+
+  SemanticsConfig config_;
+  WallMap walls_;
+  DoorSightings sightings_;
+  Floor floor_;
+  ObjectMap objects_;
+  OpeningMap openings_;
+  FloorParter parter_;
+  RoomMap rooms_;
+  std::vector<Wall> known_walls_;   ///< of the last round, in order
+  std::map<int, std::vector<Eigen::Vector2d>> known_outlines_;
+  cv::Mat1b hidden_;                ///< inside rooms, off their outlines, and no floor
+};
 
 }  // namespace modslam

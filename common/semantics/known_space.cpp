@@ -35,19 +35,33 @@ void splice(Ring& outline, const Ring& hole) {
 
 }  // namespace
 
-KnownSpace::KnownSpace(const OccupancyMap& map) : resolution_m(map.resolution_m()) {
-  const auto tiles = map.tiles();
-  if (tiles.empty()) return;
-  constexpr int kCells = OccupancyMap::kTileCells;
-  int x0 = tiles[0].first, x1 = x0, y0 = tiles[0].second, y1 = y0;
-  for (const auto& [x, y] : tiles) x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
-  origin_m = resolution_m * kCells * Eigen::Vector2d(x0, y0);
-  occupancy = cv::Mat1b((y1 - y0 + 1) * kCells, (x1 - x0 + 1) * kCells, std::uint8_t{0});
-  for (const auto& index : tiles) {
-    const auto cells = map.render(index);
-    const cv::Mat1b tile(kCells, kCells, const_cast<std::uint8_t*>(cells.data()));
-    tile.copyTo(occupancy(cv::Rect((index.first - x0) * kCells, (index.second - y0) * kCells, kCells, kCells)));
+Boxes KnownSpace::update(const OccupancyMap& map, const std::set<OccupancyMap::TileIndex>& tiles) {
+  constexpr int kTile = OccupancyMap::kTileCells;
+  const auto cell_of = [&](double x_m) { return static_cast<int>(std::lround(x_m / resolution_m)); };
+  const cv::Point corner(cell_of(origin_m.x()), cell_of(origin_m.y()));
+  const cv::Rect before(corner, occupancy.size());
+  cv::Rect frame = before;
+  for (const auto& [x, y] : tiles) {
+    const cv::Rect room = grown({x * kTile, y * kTile, kTile, kTile}, kFrameMargin);
+    if ((room & frame) == room) continue;
+    const cv::Rect all = frame.area() > 0 ? frame | room : room;
+    const auto down = [](int v) { return static_cast<int>(std::floor(static_cast<double>(v) / kFrameCells)) * kFrameCells; };
+    frame = cv::Rect(cv::Point(down(all.x), down(all.y)), cv::Point(-down(-all.br().x), -down(-all.br().y)));
   }
+  const bool outgrown = frame != before;
+  if (outgrown) {
+    cv::Mat1b larger(frame.size(), std::uint8_t{0});
+    if (!empty()) occupancy.copyTo(larger(before - frame.tl()));
+    occupancy = larger;
+    origin_m = resolution_m * Eigen::Vector2d(frame.x, frame.y);
+  }
+  Boxes changed;
+  cv::Mat1b picture(kTile, kTile);
+  for (const auto& index : tiles) {
+    map.classes(index, picture[0]);
+    take_over(occupancy, cv::Rect(index.first * kTile, index.second * kTile, kTile, kTile) - frame.tl(), picture, changed);
+  }
+  return outgrown ? Boxes{cv::Rect({0, 0}, frame.size())} : changed;
 }
 
 KnownSpace::KnownSpace(const MapImage& map, double resolution) : resolution_m(resolution) {

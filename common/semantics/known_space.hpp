@@ -5,17 +5,21 @@
 
 #include "common/maps/mosaic.hpp"
 #include "common/maps/occupancy_map.hpp"
+#include "common/semantics/boxes.hpp"
 
 namespace modslam {
 
 struct KnownSpace {
   double resolution_m = 0.1;
   Eigen::Vector2d origin_m{0, 0};  ///< lower left corner of cell (column 0, row 0); row 0 lowest y
-  cv::Mat1b occupancy;             ///< 0 unknown, else 1 + 254 * probability
+  cv::Mat1b occupancy;             ///< 0 unknown, below 128 free, else occupied
 
-  explicit KnownSpace(const OccupancyMap& map);
+  explicit KnownSpace(double resolution = 0.05) : resolution_m(resolution) {}
   /// The part of a finished map around what is known, in cells of `resolution_m`: a finer map's cell is occupied where any of its cells is.
   KnownSpace(const MapImage& map, double resolution_m);
+
+  /// Takes tiles of a growing map over. @return where the answer for a cell changed; all of it when the building outgrew the frame.
+  Boxes update(const OccupancyMap& map, const std::set<OccupancyMap::TileIndex>& tiles);
 
   bool empty() const { return occupancy.empty(); }
   cv::Point cell(const Eigen::Vector2d& p) const {
@@ -30,6 +34,9 @@ struct KnownSpace {
     return origin_m + resolution_m * Eigen::Vector2d(c.x + 0.5, c.y + 0.5);
   }
 };
+
+/// The frame stands on multiples of this many cells, so that blocks of the plan are the same in every frame.
+constexpr int kFrameCells = 256, kFrameMargin = 160;
 
 /// Outer ring of a mask's region as a polygon; holes of at least `min_hole_m2` are joined to it by a cut of no width.
 /// Corners that stand out less than `tolerance_m` are left out.

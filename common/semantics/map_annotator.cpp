@@ -67,8 +67,8 @@ AnnotatedMap annotate(const MapImage& map, const SemanticsConfig& config) {
   const Floor floor = make_floor(out.space, config.object_max_m2);
   SensorInfo sensor;
   sensor.range_max_m = kRange_m;
-  EvidenceGrid grid;
-  SemanticEvidence evidence{out.space, {}, {}, [&grid](const Eigen::Vector2d& p) { return grid.log_odds(p); }};
+  EvidenceGrid grid(kCell_m);
+  Interpreter interpreter(config);
   HoughOptions hough;
   hough.min_length_m = config.line_min_m;
   DoorSensorOptions doors;
@@ -81,10 +81,11 @@ AnnotatedMap annotate(const MapImage& map, const SemanticsConfig& config) {
     for (ScanPoint& point : points) point.p = T_map_base * point.p;
     const LineExtraction lines = extract_lines(points, eye, scan.radstep, hough);
     for (std::size_t k = 0; k < points.size(); ++k) grid.add(points[k].p, lines.on_segment[k], 1);
-    evidence.scans.push_back(lines.segments);
-    for (const DoorSighting& s : sight_doors(scan, sensor, doors)) evidence.sightings.push_back({T_map_base * s.a, T_map_base * s.b});
+    for (const Segment& segment : lines.segments) interpreter.add(segment, 1);
+    for (const DoorSighting& s : sight_doors(scan, sensor, doors)) interpreter.add(DoorSighting{T_map_base * s.a, T_map_base * s.b}, 1);
   }
-  out.layers = interpret(evidence, config, OpeningModel(config.opening_trees));
+  const Boxes all{cv::Rect({0, 0}, out.space.occupancy.size())};
+  out.layers = interpreter.update(out.space, all, [&grid](const Eigen::Vector2d& p) { return grid.log_odds(p); }, {});
   Identities().carry_over({}, out.layers);
   return out;
 }

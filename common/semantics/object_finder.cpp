@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/semantics/object_finder.hpp"
 
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
 
 namespace modslam {
 namespace {
 
-constexpr double kMinArea_m2 = 0.03;
+constexpr double kMinArea_m2 = 0.03, kLongest_m = 6.4;
 constexpr double kWallThickness_m = 0.5, kWallExtent_m = 1.2;  // thin and long: a piece of wall between two doors
 
 /// A guess from the footprint's size and shape; "" when several would do.
@@ -17,47 +18,62 @@ std::string guess_class(double area_m2, const cv::RotatedRect& box, double resol
   return "";
 }
 
+/// An island as an object; none when it is a speck, a piece of wall, or a shadow that no beam touched.
+bool make_object(const Island& island, const KnownSpace& space, const Floor& floor, Object& object) {
+  const double cell_m = space.resolution_m, area_m2 = island.cells * cell_m * cell_m;
+  if (area_m2 < kMinArea_m2) return false;
+  if (std::max(island.box.width, island.box.height) * cell_m > kWallExtent_m && thickness_m(island.mask, cell_m) < kWallThickness_m) return false;
+  cv::Mat1b hit;
+  cv::bitwise_and(floor.solid(island.box), island.mask, hit);
+  const int hits = cv::countNonZero(hit);
+  if (hits == 0) return false;
+  KnownSpace part = space;
+  part.origin_m += cell_m * Eigen::Vector2d(island.box.x, island.box.y);
+  object.outline = outline_of(island.mask, part, 1e9, 0.1);
+  object.area_m2 = area_m2;
+  object.class_name = guess_class(area_m2, cv::minAreaRect(rim_cells(island.mask)), cell_m);
+  object.evidence = static_cast<double>(hits) / island.cells;
+  return object.outline.size() >= 3;
+}
+
 }  // namespace
 
-ObjectMap find_objects(const KnownSpace& space, double max_m2) {
-  ObjectMap out;
-  if (space.empty()) return out;
-  out.mask = cv::Mat1b(space.occupancy.size(), std::uint8_t{0});
-  cv::Mat1b free, solid;
-  cv::inRange(space.occupancy, 1, 127, free);
-  cv::bitwise_not(free, solid);
-  cv::Mat1i labels, statistics;
-  cv::Mat1d centres;
-  const int count = cv::connectedComponentsWithStats(solid, labels, statistics, centres, 8, CV_32S);
-  const double cell_m2 = space.resolution_m * space.resolution_m;
-  for (int k = 1; k < count; ++k) {
-    const cv::Rect box(statistics(k, cv::CC_STAT_LEFT), statistics(k, cv::CC_STAT_TOP), statistics(k, cv::CC_STAT_WIDTH),
-                       statistics(k, cv::CC_STAT_HEIGHT));
-    const double area_m2 = statistics(k, cv::CC_STAT_AREA) * cell_m2;
-    const bool at_border = box.x == 0 || box.y == 0 || box.br().x == solid.cols || box.br().y == solid.rows;
-    if (at_border || area_m2 < kMinArea_m2 || area_m2 > max_m2) continue;
-    cv::Mat1b mask;
-    cv::inRange(labels(box), k, k, mask);
-    const bool thin = thickness_m(mask, space.resolution_m) < kWallThickness_m;
-    if (thin && std::max(box.width, box.height) * space.resolution_m > kWallExtent_m) continue;
-    cv::Mat1b hit;
-    cv::inRange(space.occupancy(box), 128, 255, hit);
-    cv::bitwise_and(hit, mask, hit);
-    if (cv::countNonZero(hit) == 0) continue;  // a shadow, nothing that was touched by a beam
-    KnownSpace part = space;
-    part.origin_m += space.resolution_m * Eigen::Vector2d(box.x, box.y);
-    Object object;
-    object.outline = outline_of(mask, part, 1e9, 0.1);
-    if (object.outline.size() < 3) continue;
-    std::vector<cv::Point> cells;
-    cv::findNonZero(mask, cells);
-    object.area_m2 = area_m2;
-    object.class_name = guess_class(area_m2, cv::minAreaRect(cells), space.resolution_m);
-    object.evidence = static_cast<double>(cv::countNonZero(hit)) / static_cast<double>(cells.size());
-    out.objects.push_back(object);
-    out.mask(box).setTo(255, mask);
-  }
-  return out;
+ObjectMap find_objects(const KnownSpace& space, const Floor& floor, double max_m2) {
+  ObjectMap map;
+  if (!space.empty()) update_objects(map, space, floor, max_m2, {cv::Rect({0, 0}, space.occupancy.size())});
+  return map;
+}
+
+Boxes update_objects(ObjectMap& map, const KnownSpace& space, const Floor& floor, double max_m2, const Boxes& changed) {
+  const cv::Size frame = space.occupancy.size();
+  if (map.mask.size() != frame) map = {{}, cv::Mat1b(frame, std::uint8_t{0})};
+  const Boxes touched = windows(changed, 1, frame);
+  Boxes stirred;
+  const auto is_touched = [&](const ObjectMap::Footprint& footprint) {
+    const Island& island = footprint.island;
+    const bool touches = std::any_of(touched.begin(), touched.end(), [&](const cv::Rect& box) {
+      const cv::Rect common = (box & island.box) - island.box.tl();
+      return common.area() > 0 && cv::countNonZero(island.mask(common)) > 0;
+    });
+    if (touches) map.mask(island.box).setTo(0, island.mask), stirred.push_back(island.box);
+    return touches;
+  };
+  map.objects.erase(std::remove_if(map.objects.begin(), map.objects.end(), is_touched), map.objects.end());
+  const double cell_m = space.resolution_m;
+  each_island(floor.closed, changed, {static_cast<int>(kLongest_m / cell_m), static_cast<int>(max_m2 / cell_m / cell_m), 8}, [&](const Island& island) {
+    ObjectMap::Footprint found{island, {}};
+    cv::Mat1b known;
+    cv::bitwise_and(map.mask(island.box), island.mask, known);
+    if (cv::countNonZero(known) > 0) return;
+    if (!make_object(island, space, floor, found.object)) return;
+    map.mask(island.box).setTo(255, island.mask);
+    stirred.push_back(island.box);
+    map.objects.push_back(found);
+  });
+  std::sort(map.objects.begin(), map.objects.end(), [](const auto& p, const auto& q) {
+    return std::pair(p.island.box.y, p.island.box.x) < std::pair(q.island.box.y, q.island.box.x);
+  });
+  return stirred;
 }
 
 }  // namespace modslam

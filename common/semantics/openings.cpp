@@ -3,274 +3,192 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+#include <tuple>
 
-#include "common/geometry/pose2.hpp"
+#include "common/semantics/cut_features.hpp"
 
 namespace modslam {
 namespace {
 
 using Vec = Eigen::Vector2d;
 
-constexpr double kOutline_m = 0.12;      // detail of the outline that makes no corner
-constexpr double kReflex_rad = 0.5;      // least turn of a corner
 constexpr int kPerCorner = 6;            // shortest cuts kept from each corner
-constexpr double kBeyond_m = 1.0, kHitBeyond_m = 0.6, kWay_m = 4.0, kBeside_m = 0.35, kMostFlare = 4;
-constexpr double kAtWall_m = 0.25, kLongWall_m = 3.0;
+constexpr double kNarrowest_m = 0.3, kTwins_m = 0.12, kNear_m = 0.2;
+constexpr double kHalo_m = 1.05;         // of a block's outline
+constexpr double kFarthestLook_m = 4.3;
 
-double cross(const Vec& a, const Vec& b) { return a.x() * b.y() - a.y() * b.x(); }
+auto order_of(const Vec& p) { return std::pair(p.x(), p.y()); }
+auto order_of(const FloorCut& cut) { return std::tuple(cut.length(), cut.a.x(), cut.a.y(), cut.b.x(), cut.b.y()); }
 
-/// A corner that the floor goes round, and the outline's directions away from it. Cells.
-struct Corner {
-  Vec p, before, after;
-  double turn_rad;
-};
-
-struct Edge {
-  Vec a, b;
-};
-
-struct Outline {
-  std::vector<Corner> corners;
-  std::vector<Edge> edges;
-};
-
-Outline trace(const Floor& floor) {
-  Outline out;
-  std::vector<std::vector<cv::Point>> contours;
-  cv::findContours(floor.open, contours, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
-  for (const auto& contour : contours) {
-    std::vector<cv::Point> ring;
-    cv::approxPolyDP(contour, ring, kOutline_m / floor.resolution_m, true);
-    const std::size_t n = ring.size();
-    if (n < 2) continue;
-    const auto at = [&](std::size_t k) { return Vec(ring[k % n].x, ring[k % n].y); };
-    for (std::size_t k = 0; k < n; ++k) {
-      const Vec p = at(k), before = (at(k + n - 1) - p).normalized(), after = (at(k + 1) - p).normalized();
-      out.edges.push_back({p, at(k + 1)});
-      // OpenCV keeps the floor on one side of all contours, outer ones and holes alike: there a corner turns the other way.
-      const double turn = std::atan2(cross(-before, after), -before.dot(after));
-      if (turn > kReflex_rad || n == 2) out.corners.push_back({p, before, after, n == 2 ? kPi : turn});
-    }
-  }
-  return out;
+cv::Rect box_of(const Vec& p, const Vec& q) {
+  const Vec low = p.cwiseMin(q), high = p.cwiseMax(q);
+  return {cv::Point(cvFloor(low.x()), cvFloor(low.y())), cv::Point(cvFloor(high.x()) + 2, cvFloor(high.y()) + 2)};
 }
 
-class OpeningFinder {
- public:
-  OpeningFinder(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, double max_width_m)
-      : floor_(floor), space_(space), walls_(walls), outline_(trace(floor)), cell_m_(floor.resolution_m), reach_(max_width_m / cell_m_) {}
+bool is_in(const cv::Rect& block, const Vec& p) { return p.x() >= block.x && p.y() >= block.y && p.x() < block.br().x && p.y() < block.br().y; }
 
-  std::vector<Opening> run() {
-    collect();
-    std::vector<Opening> out;
-    for (std::size_t k = 0; k < cuts_.size(); ++k) out.push_back(measured(k));
-    return out;
-  }
+bool same(const Corner& p, const Corner& q) { return p.p == q.p && p.before == q.before && p.after == q.after && p.turn_rad == q.turn_rad; }
+bool same(const Edge& p, const Edge& q) { return p.a == q.a && p.b == q.b; }
+bool same(const FloorCut& p, const FloorCut& q) {
+  return p.a == q.a && p.b == q.b && p.edge == q.edge && same(p.first, q.first) && p.to_corner == q.to_corner && same(p.second, q.second);
+}
+cv::Rect box_of(const Corner& corner) { return box_of(corner.p, corner.p); }
+cv::Rect box_of(const Edge& edge) { return box_of(edge.a, edge.b); }
+cv::Rect box_of(const FloorCut& cut) { return box_of(cut.centre(), cut.centre()); }
 
- private:
-  struct Cut {
-    Vec a, b;
-    int first = -1, second = -1;  ///< corners; second -1: b lies on an edge
-    Vec edge{0, 0};               ///< direction of that edge
-    double length() const { return (b - a).norm(); }
-    Vec centre() const { return 0.5 * (a + b); }
+/// Boxes of what only one of the two has.
+template <class Thing>
+void note_news(const std::vector<Thing>& before, const std::vector<Thing>& now, Boxes& news) {
+  const auto note = [&](const std::vector<Thing>& these, const std::vector<Thing>& those) {
+    for (const Thing& thing : these)
+      if (std::none_of(those.begin(), those.end(), [&](const Thing& other) { return same(thing, other); })) news.push_back(box_of(thing));
   };
+  note(before, now);
+  note(now, before);
+}
 
-  bool inside(const Vec& p) const { return p.x() >= 0 && p.y() >= 0 && p.x() < floor_.open.cols && p.y() < floor_.open.rows; }
-  static cv::Point cell(const Vec& p) { return {static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y()))}; }
-  bool is_open(const Vec& p) const {
-    const cv::Point c = cell(p);
-    return c.x >= 0 && c.y >= 0 && c.x < floor_.open.cols && c.y < floor_.open.rows && floor_.open(c);
+/// Cuts from one corner, shortest first.
+void keep_shortest(const Floor& floor, std::vector<FloorCut>& cuts, std::vector<FloorCut>& kept) {
+  std::sort(cuts.begin(), cuts.end(), [](const FloorCut& p, const FloorCut& q) { return order_of(p) < order_of(q); });
+  int count = 0;
+  for (const FloorCut& cut : cuts) {
+    if (!is_clear(floor, cut.a, cut.b)) continue;
+    if (++count > kPerCorner) break;
+    if (!cut.to_corner || order_of(cut.a) < order_of(cut.b)) kept.push_back(cut);  // a cut between corners is met from both
   }
-  bool is_clear(const Vec& a, const Vec& b) const {
-    const double length = (b - a).norm();
-    const int steps = std::max(2, static_cast<int>(2 * length));
-    for (int k = 0; k <= steps; ++k) {
-      const double s = length * k / steps;
-      if (s < 1.5 || length - s < 1.5) continue;
-      if (!is_open(a + (b - a) * k / steps)) return false;
-    }
-    return true;
-  }
+}
 
-  void collect() {
-    const double shortest = 0.3 / cell_m_;
-    for (std::size_t i = 0; i < outline_.corners.size(); ++i) {
-      const Corner& corner = outline_.corners[i];
-      std::vector<Cut> to_corners, to_edges;
-      for (std::size_t j = 0; j < outline_.corners.size(); ++j) {
-        if (std::abs(outline_.corners[j].p.x() - corner.p.x()) > reach_ || std::abs(outline_.corners[j].p.y() - corner.p.y()) > reach_) continue;
-        const Cut cut{corner.p, outline_.corners[j].p, static_cast<int>(i), static_cast<int>(j)};
-        if (j != i && cut.length() >= shortest && cut.length() <= reach_) to_corners.push_back(cut);
-      }
-      for (const Edge& edge : outline_.edges) {
-        const Vec d = edge.b - edge.a;
-        const Vec from = corner.p - edge.a;
-        if (std::min(from.x(), from.x() - d.x()) > reach_ || std::max(from.x(), from.x() - d.x()) < -reach_) continue;
-        if (std::min(from.y(), from.y() - d.y()) > reach_ || std::max(from.y(), from.y() - d.y()) < -reach_) continue;
-        const double share = d.dot(corner.p - edge.a) / d.squaredNorm();
-        if (share <= 0.02 || share >= 0.98) continue;
-        const Cut cut{corner.p, edge.a + share * d, static_cast<int>(i), -1, d.normalized()};
-        if (cut.length() >= shortest && cut.length() <= reach_) to_edges.push_back(cut);
-      }
-      keep_shortest(to_corners, true);
-      keep_shortest(to_edges, false);
-    }
-    drop_twins();
+void drop_twins(std::vector<FloorCut>& cuts, double near) {
+  std::sort(cuts.begin(), cuts.end(), [](const FloorCut& p, const FloorCut& q) { return order_of(p) < order_of(q); });
+  std::vector<FloorCut> kept;
+  for (const FloorCut& cut : cuts) {
+    const bool twin = std::any_of(kept.rbegin(), kept.rend(), [&](const FloorCut& other) {
+      if (((cut.a + cut.b - other.a - other.b).array().abs() > 2 * near).any()) return false;
+      return ((cut.a - other.a).norm() < near && (cut.b - other.b).norm() < near) || ((cut.a - other.b).norm() < near && (cut.b - other.a).norm() < near);
+    });
+    if (!twin) kept.push_back(cut);
   }
-
-  /// @param mutual  the cut is met again from its other corner.
-  void keep_shortest(std::vector<Cut>& cuts, bool mutual) {
-    std::stable_sort(cuts.begin(), cuts.end(), [](const Cut& p, const Cut& q) { return p.length() < q.length(); });
-    int kept = 0;
-    for (const Cut& cut : cuts) {
-      if (!is_clear(cut.a, cut.b)) continue;
-      if (++kept > kPerCorner) break;
-      if (!mutual || cut.first < cut.second) cuts_.push_back(cut);
-    }
-  }
-
-  void drop_twins() {
-    std::stable_sort(cuts_.begin(), cuts_.end(), [](const Cut& p, const Cut& q) { return p.length() < q.length(); });
-    const double near = 0.12 / cell_m_;
-    std::vector<Cut> kept;
-    for (const Cut& cut : cuts_) {
-      const bool twin = std::any_of(kept.rbegin(), kept.rend(), [&](const Cut& other) {
-        if (std::abs(cut.a.x() + cut.b.x() - other.a.x() - other.b.x()) > 2 * near || std::abs(cut.a.y() + cut.b.y() - other.a.y() - other.b.y()) > 2 * near)
-          return false;
-        return ((cut.a - other.a).norm() < near && (cut.b - other.b).norm() < near) || ((cut.a - other.b).norm() < near && (cut.b - other.a).norm() < near);
-      });
-      if (!twin) kept.push_back(cut);
-    }
-    cuts_ = std::move(kept);
-  }
-
-  /// Metres of not-floor in line beyond p, a cell to either side allowed.
-  double solid_beyond_m(const Vec& p, const Vec& out) const {
-    const Vec side(-out.y(), out.x());
-    double last = 0;
-    for (double s = 1; s * cell_m_ <= kBeyond_m; s += 0.5) {
-      const Vec q = p + s * out;
-      const bool solid = !is_open(q) || !is_open(q + side) || !is_open(q - side);
-      if (solid) last = s;
-      else if (s - last > 2) break;
-    }
-    return last * cell_m_;
-  }
-
-  double hit_share(const Vec& p, const Vec& out) const {
-    int hit = 0, asked = 0;
-    for (double s = 0.5; s * cell_m_ <= kHitBeyond_m; s += 1, ++asked) {
-      const cv::Point c = cell(p + s * out);
-      const cv::Rect around = cv::Rect(c.x - 2, c.y - 2, 5, 5) & cv::Rect(0, 0, floor_.solid.cols, floor_.solid.rows);
-      hit += !around.empty() && cv::countNonZero(floor_.solid(around)) > 0;
-    }
-    return asked ? static_cast<double>(hit) / asked : 0;
-  }
-
-  struct Side {
-    double depth_m = 0, clearance = 0, flare = 0;
-  };
-  Side look(const Cut& cut, const Vec& n) const {
-    Side side;
-    const Vec u = (cut.b - cut.a).normalized();
-    for (const double t : {0.3, 0.5, 0.7}) {
-      const Vec from = cut.a + t * (cut.b - cut.a);
-      double s = 1;
-      double clearance = 0;
-      for (; s * cell_m_ <= kWay_m && is_open(from + s * n); s += 1)
-        if (s * cell_m_ <= 2.5) clearance = std::max<double>(clearance, floor_.clearance(cell(from + s * n)));
-      side.depth_m = std::max(side.depth_m, (s - 1) * cell_m_);
-      side.clearance = std::max(side.clearance, clearance);
-    }
-    const Vec beside = cut.centre() + kBeside_m / cell_m_ * n;
-    if (is_open(beside)) {
-      const double most = kMostFlare * cut.length();
-      double width = 0;
-      for (const Vec& way : {u, Vec(-u)})
-        for (double s = 1; width < most && is_open(beside + s * way); s += 1) width += 1;
-      side.flare = std::min(kMostFlare, width / cut.length());
-    }
-    return side;
-  }
-
-  double align(const Cut& cut, bool at_a) const {
-    const Vec u = (cut.b - cut.a).normalized();
-    const int corner = at_a ? cut.first : cut.second;
-    if (corner < 0) return std::abs(u.dot(cut.edge));
-    const Corner& c = outline_.corners[static_cast<std::size_t>(corner)];
-    const Vec out = at_a ? Vec(-u) : u;  // a wall in line runs away from the cut
-    return std::max(out.dot(c.before), out.dot(c.after));
-  }
-
-  double wall_at_m(const Vec& p) const {
-    double longest = 0;
-    for (const Wall& wall : walls_) {
-      if ((p.array() < wall.a.cwiseMin(wall.b).array() - kAtWall_m).any() || (p.array() > wall.a.cwiseMax(wall.b).array() + kAtWall_m).any()) continue;
-      const Vec u = wall.direction();
-      const double along = u.dot(p - wall.a), across = u.x() * (p - wall.a).y() - u.y() * (p - wall.a).x();
-      if (std::abs(across) < kAtWall_m && along > -kAtWall_m && along < wall.length_m() + kAtWall_m) longest = std::max(longest, wall.length_m());
-    }
-    return std::min(longest, kLongWall_m);
-  }
-
-  double narrowest_near(std::size_t k) const {
-    const Cut& cut = cuts_[k];
-    double least = cut.length();
-    for (const Cut& other : cuts_) {  // shortest first
-      if (other.length() >= least) break;
-      if ((other.centre() - cut.centre()).norm() < 0.5 * cut.length() + 0.2 / cell_m_) return other.length();
-    }
-    return least;
-  }
-
-  Opening measured(std::size_t k) const {
-    const Cut& cut = cuts_[k];
-    const Vec u = (cut.b - cut.a).normalized(), n(-u.y(), u.x());
-    Opening out;
-    const auto place = [&](const Vec& p) -> Vec { return space_.origin_m + cell_m_ * (p + Vec(0.5, 0.5)); };
-    out.a = place(cut.a);
-    out.b = place(cut.b);
-    auto& f = out.features;
-    const auto pair = [&](OpeningFeature less, double p, double q) {
-      f[less] = static_cast<float>(std::min(p, q));
-      f[less + 1] = static_cast<float>(std::max(p, q));
-    };
-    const double half = 0.5 * cut.length();
-    const Side left = look(cut, n), right = look(cut, -n);
-    f[kWidth] = static_cast<float>(cut.length() * cell_m_);
-    pair(kSolidLess, solid_beyond_m(cut.a, -u), solid_beyond_m(cut.b, u));
-    pair(kHitLess, hit_share(cut.a, -u), hit_share(cut.b, u));
-    pair(kDepthLess, left.depth_m, right.depth_m);
-    pair(kRoomyLess, left.clearance / half, right.clearance / half);
-    pair(kClearLess, left.clearance * cell_m_, right.clearance * cell_m_);
-    pair(kTurnLess, outline_.corners[static_cast<std::size_t>(cut.first)].turn_rad,
-         cut.second < 0 ? 0.0 : outline_.corners[static_cast<std::size_t>(cut.second)].turn_rad);
-    pair(kAlignLess, align(cut, true), align(cut, false));
-    pair(kFlareLess, left.flare, right.flare);
-    f[kMidClear] = static_cast<float>(floor_.clearance(cell(cut.centre())) / half);
-    f[kLocal] = static_cast<float>(cut.length() / narrowest_near(k));
-    pair(kWallLess, wall_at_m(out.a), wall_at_m(out.b));
-    return out;
-  }
-
-  const Floor& floor_;
-  const KnownSpace& space_;
-  const std::vector<Wall>& walls_;
-  Outline outline_;
-  double cell_m_, reach_;
-  std::vector<Cut> cuts_;
-};
+  cuts = std::move(kept);
+}
 
 }  // namespace
 
+std::vector<const OpeningMap::Block*> OpeningMap::around(const Index& index) const {
+  std::vector<const Block*> out;
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx)
+      if (const auto found = blocks_.find({index.first + dx, index.second + dy}); found != blocks_.end()) out.push_back(&found->second);
+  return out;
+}
+
+Boxes OpeningMap::retrace(const Floor& floor, const Boxes& open) {
+  Boxes news;
+  const int halo = static_cast<int>(kHalo_m / floor.resolution_m);
+  std::map<Index, bool> stirred;
+  for (const cv::Rect& box : windows(open, halo, floor.open.size()))
+    for (int row = box.y / kPlanBlock; row * kPlanBlock < box.br().y; ++row)
+      for (int column = box.x / kPlanBlock; column * kPlanBlock < box.br().x; ++column) stirred[{column, row}] = true;
+  for (const auto& [index, yes] : stirred) {
+    Block& block = blocks_[index];
+    block.box = cv::Rect(index.first * kPlanBlock, index.second * kPlanBlock, kPlanBlock, kPlanBlock) & cv::Rect({0, 0}, floor.open.size());
+    if (!meet(open, grown(block.box, halo))) continue;
+    Outline outline = trace(floor, block.box);
+    note_news(block.outline.corners, outline.corners, news);
+    note_news(block.outline.edges, outline.edges, news);
+    block.outline = std::move(outline);
+  }
+  return news;
+}
+
+Boxes OpeningMap::recollect(const Floor& floor, const Boxes& changed) {
+  Boxes news;
+  const double reach = max_width_m_ / floor.resolution_m, shortest = kNarrowest_m / floor.resolution_m;
+  for (auto& [index, block] : blocks_) {
+    if (!meet(changed, grown(block.box, static_cast<int>(reach) + 2))) continue;
+    std::vector<FloorCut> cuts;
+    const std::vector<const Block*> neighbours = around(index);
+    for (const Corner& corner : block.outline.corners) {
+      std::vector<FloorCut> to_corners, to_edges;
+      const auto fits = [&](const FloorCut& cut) { return cut.length() >= shortest && cut.length() <= reach; };
+      const cv::Rect near = grown(box_of(corner), static_cast<int>(reach) + 1);
+      for (const Block* other : neighbours) {
+        if (!meet(near, other->box)) continue;
+        for (const Corner& end : other->outline.corners)
+          if (const FloorCut cut{corner.p, end.p, corner, end}; fits(cut)) to_corners.push_back(cut);
+        for (const Edge& edge : other->outline.edges) {
+          const Vec d = edge.b - edge.a;
+          const double share = d.dot(corner.p - edge.a) / d.squaredNorm();
+          const FloorCut cut{corner.p, edge.a + share * d, corner, {}, false, d.normalized()};
+          if (share > 0.02 && share < 0.98 && fits(cut) && is_in(other->box, cut.b)) to_edges.push_back(cut);
+        }
+      }
+      keep_shortest(floor, to_corners, cuts);
+      keep_shortest(floor, to_edges, cuts);
+    }
+    drop_twins(cuts, kTwins_m / floor.resolution_m);
+    note_news(block.cuts, cuts, news);
+    block.cuts = std::move(cuts);
+  }
+  return news;
+}
+
+void OpeningMap::update(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const FloorChange& change, const Boxes& walls_changed) {
+  if (floor.open.empty()) return;
+  Boxes corners = retrace(floor, change.open);
+  corners.insert(corners.end(), change.open.begin(), change.open.end());
+  Boxes changed = recollect(floor, corners);
+  for (const Boxes* more : {&change.open, &change.clearance, &change.solid, &walls_changed}) changed.insert(changed.end(), more->begin(), more->end());
+
+  const double cell_m = floor.resolution_m;
+  const int look = static_cast<int>((max_width_m_ + std::max(kFarthestLook_m, 4 * max_width_m_)) / cell_m) + 4;
+  std::vector<Wall> near_walls;
+  std::vector<std::pair<const Index, Block>*> stirred;
+  for (auto& entry : blocks_)
+    if (meet(changed, grown(entry.second.box, look))) stirred.push_back(&entry);
+  for (const Wall& wall : walls)
+    if (std::any_of(stirred.begin(), stirred.end(), [&](const auto* entry) { return meet(grown(entry->second.box, look), box_of((wall.a - space.origin_m) / cell_m, (wall.b - space.origin_m) / cell_m)); }))
+      near_walls.push_back(wall);
+  const CutFeatures features(floor, space, near_walls);
+  for (auto* entry : stirred) {
+    Block& block = entry->second;
+    std::vector<Opening> openings;
+    const std::vector<const Block*> neighbours = around(entry->first);
+    for (std::size_t k = 0; k < block.cuts.size(); ++k) {
+      const FloorCut& cut = block.cuts[k];
+      const Vec a = space.origin_m + cell_m * (cut.a + Vec(0.5, 0.5)), b = space.origin_m + cell_m * (cut.b + Vec(0.5, 0.5));
+      const auto known = std::find_if(block.openings.begin(), block.openings.end(), [&](const Opening& o) { return o.a == a && o.b == b; });
+      if (known != block.openings.end() && !meet(changed, CutFeatures::reach(cut, cell_m))) {
+        openings.push_back(*known);
+        continue;
+      }
+      double narrowest = cut.length();
+      for (const Block* other : neighbours)
+        for (const FloorCut& near : other->cuts)
+          if (near.length() < narrowest && (near.centre() - cut.centre()).norm() < 0.5 * cut.length() + kNear_m / cell_m) narrowest = near.length();
+      openings.push_back(features.measure(cut, narrowest));
+      openings.back().probability = model_.probability(openings.back().features.data());
+    }
+    block.openings = std::move(openings);
+  }
+}
+
+std::vector<Opening> OpeningMap::openings(double min_probability) const {
+  std::vector<Opening> out;
+  for (const auto& [index, block] : blocks_)
+    for (const Opening& opening : block.openings)
+      if (opening.probability >= min_probability) out.push_back(opening);
+  const auto order = [](const Opening& o) { return std::tuple(-o.probability, o.a.x(), o.a.y(), o.b.x(), o.b.y()); };
+  std::sort(out.begin(), out.end(), [&](const Opening& p, const Opening& q) { return order(p) < order(q); });
+  return out;
+}
+
 std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, double max_width_m,
                                    const OpeningModel& model) {
-  if (floor.open.empty()) return {};
-  std::vector<Opening> openings = OpeningFinder(floor, space, walls, max_width_m).run();
-  for (Opening& opening : openings) opening.probability = model.probability(opening.features.data());
-  return openings;
+  OpeningMap map(max_width_m, model);
+  FloorChange all;
+  all.open = {cv::Rect({0, 0}, floor.open.size())};
+  map.update(floor, space, walls, all, {});
+  return map.openings(0);
 }
 
 }  // namespace modslam

@@ -3,10 +3,12 @@
 /// openings, the mouth of a corridor is one; most are none, and the features tell.
 #pragma once
 #include <array>
+#include <map>
 #include <vector>
 
 #include "common/semantics/floor.hpp"
 #include "common/semantics/opening_model.hpp"
+#include "common/semantics/outline.hpp"
 #include "common/semantics/types.hpp"
 
 namespace modslam {
@@ -34,6 +36,46 @@ struct Opening {
   double probability = 0;             ///< of parting two rooms
   double width_m() const { return (b - a).norm(); }
   Eigen::Vector2d centre() const { return 0.5 * (a + b); }
+};
+
+/// A straight way across the floor from one of its corners to another, or square to an edge. Cells.
+struct FloorCut {
+  Eigen::Vector2d a, b;
+  Corner first, second;                ///< at a and b; no second where b lies on an edge
+  bool to_corner = true;
+  Eigen::Vector2d edge{0, 0};          ///< direction of that edge
+  double length() const { return (b - a).norm(); }
+  Eigen::Vector2d centre() const { return 0.5 * (a + b); }
+};
+
+/// Keeps the openings of a floor in step with it, block by block: a cut belongs to the block of its first corner.
+class OpeningMap {
+ public:
+  OpeningMap(double max_width_m, const OpeningModel& model) : max_width_m_(max_width_m), model_(model) {}
+
+  /// @param change, walls_changed  where floor and walls are new since the last call.
+  void update(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const FloorChange& change, const Boxes& walls_changed);
+  void clear() { blocks_.clear(); }
+
+  /// All of at least this probability, surest first.
+  std::vector<Opening> openings(double min_probability) const;
+
+ private:
+  struct Block {
+    cv::Rect box;
+    Outline outline;
+    std::vector<FloorCut> cuts;
+    std::vector<Opening> openings;
+  };
+  using Index = std::pair<int, int>;   ///< column, row
+
+  Boxes retrace(const Floor& floor, const Boxes& open);
+  Boxes recollect(const Floor& floor, const Boxes& changed);
+  std::vector<const Block*> around(const Index& index) const;
+
+  double max_width_m_;
+  OpeningModel model_;
+  std::map<Index, Block> blocks_;
 };
 
 /// All cuts of at most max_width_m that a corner of the floor's outline takes part in, with features and probability.

@@ -2,9 +2,12 @@
 #include "common/semantics/partition.hpp"
 
 #include <algorithm>
-#include <map>
+#include <cmath>
 #include <numeric>
+#include <tuple>
 #include <opencv2/imgproc.hpp>
+
+#include "common/semantics/plan_index.hpp"
 
 namespace modslam {
 namespace {
@@ -15,6 +18,7 @@ constexpr double kLookFrom_m = 0.08, kLookTo_m = 0.6;  // beside a cut, for the 
 constexpr double kOnWall_m = 0.2;
 constexpr double kSlotDepth_m = 2.5, kMostSlotDepth_m = 6.5, kSlotMouth = 0.8;
 constexpr double kCarFrom_m = 1.2, kCarTo_m = 2.6;
+constexpr double kAroundCut_m = 0.4;                    // a doorway reaches this far
 constexpr double kSameWay = 0.7;                       // |cos| of cuts that may be one opening
 
 double side_of(const Vec& a, const Vec& b, const Vec& p) { return (b - a).x() * (p - a).y() - (b - a).y() * (p - a).x(); }
@@ -46,44 +50,32 @@ class Regions {
   std::vector<int> parent_;
 };
 
-/// A dead end as a box: the direction across it (along its short sides) and its sides [cells].
-struct Niche {
-  Vec centre, across;
-  double width, depth;
-};
-
-Niche box_of(const std::vector<cv::Point>& cells) {
-  const cv::RotatedRect box = cv::minAreaRect(cells);
-  const bool first_is_short = box.size.width < box.size.height;
-  const double angle = box.angle * CV_PI / 180 + (first_is_short ? 0 : CV_PI / 2);
-  return {Vec(box.center.x, box.center.y), Vec(std::cos(angle), std::sin(angle)), std::min(box.size.width, box.size.height) + 1.0,
-          std::max(box.size.width, box.size.height) + 1.0};
-}
-
 /// As wide all the way as its mouth, and deep.
-bool is_slot(const Niche& niche, const Opening& mouth, double cell_m) {
-  const double width_m = niche.width * cell_m, depth_m = niche.depth * cell_m;
+bool is_slot(double width_m, double depth_m, const Vec& across, const Opening& mouth) {
   const Vec u = (mouth.b - mouth.a).normalized();
-  return depth_m > kSlotDepth_m && depth_m < kMostSlotDepth_m && depth_m > 1.5 * width_m && std::abs(u.dot(niche.across)) > kSameWay &&
+  return depth_m > kSlotDepth_m && depth_m < kMostSlotDepth_m && depth_m > 1.5 * width_m && std::abs(u.dot(across)) > kSameWay &&
          mouth.width_m() > kSlotMouth * width_m;
 }
 
-/// Thickness of what stands beside a slot, half way in; `sign` tells the side. 0: more than a car's width.
-double beside_m(const Niche& niche, const Floor& floor, double sign) {
-  for (double s = 0.5 * niche.width + 1; s < 0.5 * niche.width + kCarTo_m / floor.resolution_m + 2; s += 0.5) {
-    const Vec p = niche.centre + sign * s * niche.across;
+/// Thickness of what stands beside a slot, half way in, along `across`. 0: more than a car's width.
+double beside_m(const Vec& centre, const Vec& across, double width, const Floor& floor) {
+  for (double s = 0.5 * width + 1; s < 0.5 * width + kCarTo_m / floor.resolution_m + 2; s += 0.5) {
+    const Vec p = centre + s * across;
     const cv::Point c(cvRound(p.x()), cvRound(p.y()));
-    if (c.x >= 0 && c.y >= 0 && c.x < floor.open.cols && c.y < floor.open.rows && floor.open(c)) return (s - 0.5 * niche.width) * floor.resolution_m;
+    if (c.x >= 0 && c.y >= 0 && c.x < floor.open.cols && c.y < floor.open.rows && floor.open(c)) return (s - 0.5 * width) * floor.resolution_m;
   }
   return 0;
 }
 
-int region_beside(const cv::Mat1i& labels, const KnownSpace& space, const Opening& cut, double sign) {
+/// Regions on the two sides of a cut.
+template <class RegionAt>
+int region_beside(RegionAt region_at, const KnownSpace& space, const Opening& cut, double sign) {
   const Vec d = (cut.b - cut.a).normalized(), n = sign * Vec(-d.y(), d.x());
   for (double s = kLookFrom_m; s <= kLookTo_m; s += 0.04)
     for (const double t : {0.5, 0.35, 0.65}) {
       const cv::Point c = space.cell(cut.a + t * (cut.b - cut.a) + s * n);
-      if (space.inside(c) && labels(c) > 0) return labels(c);
+      if (!space.inside(c)) continue;
+      if (const int region = region_at(c)) return region;
     }
   return 0;
 }
@@ -111,115 +103,249 @@ void join_small_regions(const std::vector<CutOpening>& cuts, std::vector<double>
   }
 }
 
-/// Share of each region's rim that lies on walls; where a region meets another or a cut is no rim.
-std::vector<double> walled_shares(const cv::Mat1i& labels, int count, const KnownSpace& space, const std::vector<Wall>& walls, const cv::Mat1b& floor) {
-  cv::Mat1b on_wall(labels.size(), std::uint8_t{0});
-  const int thick = 2 * static_cast<int>(std::lround(kOnWall_m / space.resolution_m)) + 1;
-  for (const Wall& wall : walls) cv::line(on_wall, space.cell(wall.a), space.cell(wall.b), cv::Scalar(255), thick);
-  std::vector<int> rim(static_cast<std::size_t>(count), 0), walled(static_cast<std::size_t>(count), 0);
-  for (int y = 1; y + 1 < labels.rows; ++y)
-    for (int x = 1; x + 1 < labels.cols; ++x) {
-      const int label = labels(y, x);
-      if (label == 0 || (floor(y, x - 1) && floor(y, x + 1) && floor(y - 1, x) && floor(y + 1, x))) continue;
-      ++rim[static_cast<std::size_t>(label)];
-      walled[static_cast<std::size_t>(label)] += on_wall(y, x) > 0;
-    }
-  std::vector<double> shares;
-  for (std::size_t k = 0; k < rim.size(); ++k) shares.push_back(rim[k] ? static_cast<double>(walled[k]) / rim[k] : 0.0);
-  return shares;
-}
-
-void heal(cv::Mat1i& labels, const cv::Mat1b& open, const KnownSpace& space, const CutOpening& cut) {
-  cv::LineIterator cells(labels, space.cell(cut.opening.a), space.cell(cut.opening.b), 8);
-  for (int k = 0; k < cells.count; ++k, ++cells)
-    if (open(cells.pos()) && labels(cells.pos()) == 0) labels(cells.pos()) = cut.left;
-}
-
-/// Gaps between parked cars: dead ends as wide as their mouths with a car's width of closed space beside them. They are no rooms.
-std::vector<int> join_slots(const std::vector<CutOpening>& cuts, const cv::Mat1i& labels, const Floor& floor, std::vector<double>& area_m2,
-                            Regions& regions) {
-  std::vector<int> slots;
-  std::map<int, std::vector<const CutOpening*>> of_region;
-  for (const CutOpening& cut : cuts)
-    if (cut.left && cut.right && cut.left != cut.right) of_region[cut.left].push_back(&cut), of_region[cut.right].push_back(&cut);
-  std::map<int, std::vector<cv::Point>> cells;
-  for (const auto& [region, ways] : of_region)
-    if (ways.size() == 1 && area_m2[static_cast<std::size_t>(region)] < kMostSlotDepth_m * kMostSlotDepth_m / 1.5) cells[region];
-  std::vector<std::vector<cv::Point>*> wanted(area_m2.size(), nullptr);
-  for (auto& [region, inside] : cells) wanted[static_cast<std::size_t>(region)] = &inside;
-  for (int y = 0; y < labels.rows; ++y)
-    for (int x = 0; x < labels.cols; ++x)
-      if (auto* inside = wanted[static_cast<std::size_t>(labels(y, x))]) inside->emplace_back(x, y);
-  for (const auto& [region, inside] : cells) {
-    if (inside.empty()) continue;
-    const CutOpening& way = *of_region[region][0];
-    const Niche niche = box_of(inside);
-    if (!is_slot(niche, way.opening, floor.resolution_m)) continue;
-    if (beside_m(niche, floor, -1) < kCarFrom_m && beside_m(niche, floor, 1) < kCarFrom_m) continue;
-    const int left = regions.root(way.left), right = regions.root(way.right);
-    const double sum = area_m2[static_cast<std::size_t>(left)] + area_m2[static_cast<std::size_t>(right)];
-    regions.join(left, right);
-    area_m2[static_cast<std::size_t>(regions.root(left))] = sum;
-    slots.push_back(region);
+std::vector<CutOpening> choose_cuts(const std::vector<Opening>& openings, double min_probability) {
+  constexpr double kSquare_m = 3.5;
+  std::vector<CutOpening> cuts;
+  PlanIndex index(kSquare_m);
+  for (const Opening& opening : openings) {
+    if (opening.probability < min_probability) break;
+    const std::vector<std::size_t> near = index.near(opening.a, opening.b, 0.5 * kSquare_m);
+    if (std::any_of(near.begin(), near.end(), [&](std::size_t k) { return same_opening(cuts[k].opening, opening); })) continue;
+    index.add(opening.a, opening.b, cuts.size());
+    cuts.push_back({opening, 0, 0});
   }
-  return slots;
+  return cuts;
+}
+
+auto order_of(const CutOpening& cut) { return std::tuple(cut.opening.a.x(), cut.opening.a.y(), cut.opening.b.x(), cut.opening.b.y()); }
+bool is_before(const CutOpening& p, const CutOpening& q) { return order_of(p) < order_of(q); }
+
+cv::Rect box_of(const CutOpening& cut, const KnownSpace& space, double margin_m) {
+  const int margin = static_cast<int>(std::ceil(margin_m / space.resolution_m)) + 1;
+  return grown(cv::Rect(space.cell(cut.opening.a), space.cell(cut.opening.a)) | cv::Rect(space.cell(cut.opening.a), cv::Size(1, 1)) |
+                   cv::Rect(space.cell(cut.opening.b), cv::Size(1, 1)),
+               margin) &
+         cv::Rect({0, 0}, space.occupancy.size());
+}
+
+bool is_before_with_region(const CutOpening& p, const CutOpening& q) { return std::pair(order_of(p), p.left) < std::pair(order_of(q), q.left); }
+
+/// Boxes around what only one of two sets of cuts has; both in order.
+template <class Before>
+Boxes news_of(const std::vector<CutOpening>& before, const std::vector<CutOpening>& now, const KnownSpace& space, double margin_m, Before is_before) {
+  std::vector<CutOpening> news;
+  std::set_symmetric_difference(before.begin(), before.end(), now.begin(), now.end(), std::back_inserter(news), is_before);
+  Boxes out;
+  for (const CutOpening& cut : news) out.push_back(box_of(cut, space, margin_m));
+  return out;
 }
 
 }  // namespace
 
+Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& cuts, const Boxes& open) {
+  Boxes stirred = news_of(drawn_, cuts, space, 0, is_before), changed;
+  stirred.insert(stirred.end(), open.begin(), open.end());
+  std::vector<cv::Mat1b> before;
+  const Boxes parts = windows(stirred, 0, floor.open.size());
+  for (const cv::Rect& box : parts) {
+    before.push_back(parted_(box).clone());
+    floor.open(box).copyTo(parted_(box));
+  }
+  for (const CutOpening& cut : cuts)
+    if (meet(parts, box_of(cut, space, 0)))
+      cv::line(parted_, space.cell(cut.opening.a), space.cell(cut.opening.b), cv::Scalar(0), 1, cv::LINE_8);  // stops a flood over sides
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    if (const cv::Rect news = difference(before[k], parted_(parts[k])); news.area() > 0) changed.push_back(news + parts[k].tl());
+  drawn_ = cuts;
+  return changed;
+}
+
+/// Share of a region's rim that lies on walls; where it meets another region or a cut is no rim.
+double FloorParter::walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls) const {
+  const cv::Rect box = region.box;
+  cv::Mat1b on_wall(box.size(), std::uint8_t{0});
+  const int thick = 2 * static_cast<int>(std::lround(kOnWall_m / space.resolution_m)) + 1;
+  for (const Wall& wall : walls) {
+    const cv::Point a = space.cell(wall.a), b = space.cell(wall.b);
+    if (meet(grown(cv::Rect(a, cv::Size(1, 1)) | cv::Rect(b, cv::Size(1, 1)), thick), box)) cv::line(on_wall, a - box.tl(), b - box.tl(), cv::Scalar(255), thick);
+  }
+  const cv::Mat1b mask = tiles_.mask_of(number, box);
+  int rim = 0, walled = 0;
+  for (int y = std::max(1, box.y); y < std::min(box.br().y, floor.open.rows - 1); ++y)
+    for (int x = std::max(1, box.x); x < std::min(box.br().x, floor.open.cols - 1); ++x) {
+      const cv::Point c = cv::Point(x, y) - box.tl();
+      if (!mask(c) || (floor.open(y, x - 1) && floor.open(y, x + 1) && floor.open(y - 1, x) && floor.open(y + 1, x))) continue;
+      ++rim;
+      walled += on_wall(c) > 0;
+    }
+  return rim ? static_cast<double>(walled) / rim : 0.0;
+}
+
+FloorParter::Niche FloorParter::niche_of(const Region& region, int number) const {
+  std::vector<cv::Point> rim = rim_cells(tiles_.mask_of(number, region.box));
+  for (cv::Point& c : rim) c += region.box.tl();
+  const cv::RotatedRect box = cv::minAreaRect(rim);
+  const bool first_is_short = box.size.width < box.size.height;
+  const double angle = box.angle * CV_PI / 180 + (first_is_short ? 0 : CV_PI / 2);
+  return {Vec(box.center.x, box.center.y), Vec(std::cos(angle), std::sin(angle)), std::min(box.size.width, box.size.height) + 1.0,
+          std::max(box.size.width, box.size.height) + 1.0};
+}
+
+/// Gaps between parked cars: dead ends as wide as their mouths with a car's width of closed space beside them. They are no rooms.
+std::set<int> FloorParter::find_slots(const std::vector<CutOpening>& cuts, const Floor& floor) {
+  const double cell_m = floor.resolution_m;
+  std::map<int, std::vector<const CutOpening*>> of_region;
+  for (const CutOpening& cut : cuts)
+    if (cut.left && cut.right && cut.left != cut.right) of_region[cut.left].push_back(&cut), of_region[cut.right].push_back(&cut);
+  std::set<int> slots;
+  for (const auto& [number, ways] : of_region) {
+    const Region& region = tiles_.regions()[static_cast<std::size_t>(number - 1)];
+    if (ways.size() != 1 || region.cells * cell_m * cell_m >= kMostSlotDepth_m * kMostSlotDepth_m / 1.5) continue;
+    const Niche& niche = niches_.ask(region.members, region.box, [&, number = number] { return niche_of(region, number); });
+    if (!is_slot(niche.width * cell_m, niche.depth * cell_m, niche.across, ways[0]->opening)) continue;
+    const bool beside_car = beside_m(niche.centre, niche.across, niche.width, floor) >= kCarFrom_m || beside_m(niche.centre, -niche.across, niche.width, floor) >= kCarFrom_m;
+    if (beside_car) slots.insert(number);
+  }
+  return slots;
+}
+
+/// A region that consists of the same pieces of the same tiles as before keeps its number.
+void FloorParter::number_regions(const std::vector<int>& roots, const std::set<int>& slots) {
+  const std::vector<Region>& raw = tiles_.regions();
+  std::map<int, Members> members;
+  std::map<int, FloorRegion> joined;
+  for (std::size_t k = 1; k < roots.size(); ++k) {
+    const Region& region = raw[k - 1];
+    Members& all = members[roots[k]];
+    all.insert(all.end(), region.members.begin(), region.members.end());
+    FloorRegion& whole = joined[roots[k]];
+    whole.box |= region.box;
+    whole.cells += region.cells;
+    whole.parking = whole.parking || slots.count(static_cast<int>(k)) > 0;
+  }
+  std::map<Members, int> numbers;
+  std::map<int, int> number_of_root;
+  partition_.regions.clear();
+  for (auto& [root, all] : members) {
+    const auto known = numbers_.find(all);
+    const int number = number_of_root[root] = known == numbers_.end() ? next_++ : known->second;
+    numbers.emplace(std::move(all), number);
+    partition_.regions[number] = joined[root];
+  }
+  numbers_ = std::move(numbers);
+  number_of_.assign(roots.size(), 0);
+  for (std::size_t k = 1; k < roots.size(); ++k) number_of_[k] = number_of_root[roots[k]];
+}
+
+/// Where two regions became one, the cut between them is floor again.
+Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& healed) {
+  Boxes stirred = news_of(healed_, healed, space, 0, is_before_with_region), repainted, changed;
+  painted_.resize(static_cast<std::size_t>(tiles_.tile_count()));
+  painted_stamp_.resize(painted_.size(), 0);
+  std::vector<cv::Mat1i> before;
+  for (int tile = 0; tile < tiles_.tile_count(); ++tile) {
+    const auto t = static_cast<std::size_t>(tile);
+    std::vector<int> numbers = tiles_.numbers_in(tile);
+    for (int& number : numbers) number = number_of_[static_cast<std::size_t>(number)];
+    const cv::Rect box = tiles_.tile_box(tile);
+    if (painted_[t] == numbers && painted_stamp_[t] == tiles_.stamp(tile) && !meet(stirred, box)) continue;
+    painted_[t] = numbers;
+    painted_stamp_[t] = tiles_.stamp(tile);
+    before.push_back(partition_.labels(box).clone());
+    repainted.push_back(box);
+    for (int y = box.y; y < box.br().y; ++y)
+      for (int x = box.x; x < box.br().x; ++x) {
+        const int local = tiles_.local({x, y});
+        partition_.labels(y, x) = local ? numbers[static_cast<std::size_t>(local - 1)] : 0;
+      }
+  }
+  for (const CutOpening& cut : healed) {
+    if (!meet(repainted, box_of(cut, space, 0))) continue;
+    cv::LineIterator cells(partition_.labels, space.cell(cut.opening.a), space.cell(cut.opening.b), 8);
+    for (int k = 0; k < cells.count; ++k, ++cells)
+      if (floor.open(cells.pos()) && partition_.labels(cells.pos()) == 0) partition_.labels(cells.pos()) = cut.left;
+  }
+  for (std::size_t k = 0; k < repainted.size(); ++k)
+    if (const cv::Rect news = difference(before[k] > 0, partition_.labels(repainted[k]) > 0); news.area() > 0) changed.push_back(news + repainted[k].tl());
+  healed_ = healed;
+  return changed;
+}
+
+Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const std::vector<Opening>& openings, const Boxes& open,
+                          const Boxes& walls_changed) {
+  if (floor.open.empty()) return {};
+  if (parted_.size() != floor.open.size()) {
+    const PartitionOptions options = options_;
+    *this = FloorParter(options);
+    parted_ = cv::Mat1b(floor.open.size(), std::uint8_t{0});
+    partition_.labels = cv::Mat1i(floor.open.size(), 0);
+  }
+  std::vector<CutOpening> cuts = choose_cuts(openings, options_.min_probability), ordered = cuts;
+  std::sort(ordered.begin(), ordered.end(), is_before);
+  const Boxes parted = draw_cuts(floor, space, ordered, open);
+  tiles_.update(parted_, parted);
+  const auto region_at = [&](const cv::Point& c) { return tiles_.at(c); };
+  for (CutOpening& cut : cuts) {
+    cut.left = region_beside(region_at, space, cut.opening, 1);
+    cut.right = region_beside(region_at, space, cut.opening, -1);
+  }
+  Boxes around = parted;
+  for (const Boxes* more : {&open, &walls_changed}) around.insert(around.end(), more->begin(), more->end());
+  walled_.forget(around);
+  niches_.forget(parted);
+
+  const std::vector<Region>& raw = tiles_.regions();
+  Regions regions(static_cast<int>(raw.size()) + 1);
+  std::vector<double> area_m2{0};
+  for (std::size_t k = 0; k < raw.size(); ++k) {
+    area_m2.push_back(raw[k].cells * floor.resolution_m * floor.resolution_m);
+    if (walls.empty() || area_m2.back() >= options_.small_m2) continue;
+    const auto share = [&] { return walled_share(raw[k], static_cast<int>(k) + 1, floor, space, walls); };
+    if (walled_.ask(raw[k].members, grown(raw[k].box, 12), share) < options_.min_walled) area_m2.back() = std::min(area_m2.back(), 0.5 * options_.min_room_m2);
+  }
+  const std::set<int> slots = find_slots(cuts, floor);
+  for (const CutOpening& cut : cuts)
+    if ((slots.count(cut.left) || slots.count(cut.right)) && cut.left && cut.right && regions.root(cut.left) != regions.root(cut.right)) {
+      const double sum = area_m2[static_cast<std::size_t>(regions.root(cut.left))] + area_m2[static_cast<std::size_t>(regions.root(cut.right))];
+      regions.join(cut.left, cut.right);
+      area_m2[static_cast<std::size_t>(regions.root(cut.left))] = sum;
+    }
+  join_small_regions(cuts, area_m2, options_.min_room_m2, regions);
+  std::vector<int> roots(raw.size() + 1);
+  for (std::size_t k = 0; k < roots.size(); ++k) roots[k] = regions.root(static_cast<int>(k));
+  number_regions(roots, slots);
+
+  std::vector<CutOpening> healed;
+  partition_.cuts.clear();
+  for (CutOpening& cut : cuts) {
+    cut.left = number_of_[static_cast<std::size_t>(cut.left)];
+    cut.right = number_of_[static_cast<std::size_t>(cut.right)];
+    if (cut.left && cut.right) (cut.left == cut.right ? healed : partition_.cuts).push_back(cut);
+  }
+  std::sort(healed.begin(), healed.end(), is_before_with_region);
+  Boxes changed = paint(floor, space, healed);
+  std::vector<CutOpening> kept = partition_.cuts;
+  std::sort(kept.begin(), kept.end(), is_before);
+  const Boxes news = news_of(kept_, kept, space, kAroundCut_m, is_before);
+  changed.insert(changed.end(), news.begin(), news.end());
+  kept_ = std::move(kept);
+  return changed;
+}
+
 Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, std::vector<Opening> openings,
                      const PartitionOptions& options) {
-  Partition out;
-  if (floor.open.empty()) return out;
   std::stable_sort(openings.begin(), openings.end(), [](const Opening& p, const Opening& q) { return p.probability > q.probability; });
-  cv::Mat1b open = floor.open.clone();
-  for (const Opening& opening : openings) {
-    if (opening.probability < options.min_probability) break;
-    const bool told = std::any_of(out.cuts.begin(), out.cuts.end(), [&](const CutOpening& cut) { return same_opening(cut.opening, opening); });
-    if (told) continue;
-    out.cuts.push_back({opening, 0, 0});
-    cv::line(open, space.cell(opening.a), space.cell(opening.b), cv::Scalar(0), 1, cv::LINE_8);  // stops a flood over sides
-  }
-  cv::Mat1i statistics;
-  cv::Mat1d centres;
-  const int count = cv::connectedComponentsWithStats(open, out.labels, statistics, centres, 4, CV_32S);
-  std::vector<double> area_m2;
-  for (int k = 0; k < count; ++k) area_m2.push_back(statistics(k, cv::CC_STAT_AREA) * floor.resolution_m * floor.resolution_m);
-  for (CutOpening& cut : out.cuts) {
-    cut.left = region_beside(out.labels, space, cut.opening, 1);
-    cut.right = region_beside(out.labels, space, cut.opening, -1);
-  }
-  Regions regions(count);
-  if (!walls.empty()) {
-    const auto shares = walled_shares(out.labels, count, space, walls, floor.open);
-    for (std::size_t k = 0; k < area_m2.size(); ++k)
-      if (area_m2[k] < options.small_m2 && shares[k] < options.min_walled) area_m2[k] = std::min(area_m2[k], 0.5 * options.min_room_m2);
-  }
-  const std::vector<int> slots = join_slots(out.cuts, out.labels, floor, area_m2, regions);
-  join_small_regions(out.cuts, area_m2, options.min_room_m2, regions);
-  std::vector<int> roots(static_cast<std::size_t>(count));
-  for (int k = 0; k < count; ++k) roots[static_cast<std::size_t>(k)] = regions.root(k);
-  for (int y = 0; y < out.labels.rows; ++y)
-    for (int x = 0; x < out.labels.cols; ++x) out.labels(y, x) = roots[static_cast<std::size_t>(out.labels(y, x))];
-  for (const int slot : slots) out.parking.insert(regions.root(slot));
-  for (CutOpening& cut : out.cuts) cut.left = regions.root(cut.left), cut.right = regions.root(cut.right);
-  for (const CutOpening& cut : out.cuts)  // where two regions became one, the cut is floor again
-    if (cut.left == cut.right && cut.left) heal(out.labels, floor.open, space, cut);
-  out.cuts.erase(std::remove_if(out.cuts.begin(), out.cuts.end(), [](const CutOpening& cut) { return cut.left == cut.right || !cut.left || !cut.right; }),
-                 out.cuts.end());
-  return out;
+  FloorParter parter(options);
+  parter.update(floor, space, walls, openings, {cv::Rect({0, 0}, floor.open.size())}, {});
+  return parter.partition();
 }
 
 std::set<int> glimpses(const Partition& partition, double cell_m, double most_m2) {
   std::map<int, int> ways;
   for (const CutOpening& cut : partition.cuts) ++ways[cut.left], ++ways[cut.right];
-  std::vector<int> cells(ways.empty() ? 1 : static_cast<std::size_t>(ways.rbegin()->first) + 1, 0);
-  for (int y = 0; y < partition.labels.rows; ++y)
-    for (const int* label = partition.labels[y]; label != partition.labels[y] + partition.labels.cols; ++label)
-      if (*label < static_cast<int>(cells.size())) ++cells[static_cast<std::size_t>(*label)];
   std::set<int> out;
   for (const auto& [region, count] : ways)
-    if (count == 1 && cells[static_cast<std::size_t>(region)] * cell_m * cell_m < most_m2) out.insert(region);
+    if (count == 1 && partition.regions.at(region).cells * cell_m * cell_m < most_m2) out.insert(region);
   return out;
 }
 

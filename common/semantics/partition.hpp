@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file The floor cut at its openings: every region is a room or a part of one that was not seen whole.
 #pragma once
+#include <map>
 #include <set>
 
+#include "common/semantics/memo.hpp"
 #include "common/semantics/openings.hpp"
+#include "common/semantics/tiled_regions.hpp"
 
 namespace modslam {
 
@@ -13,10 +16,17 @@ struct CutOpening {
   int left = 0, right = 0;
 };
 
+/// A region of the floor after small ones joined their neighbours.
+struct FloorRegion {
+  cv::Rect box;
+  int cells = 0;
+  bool parking = false;   ///< gaps between parked cars belong to it
+};
+
 struct Partition {
-  cv::Mat1i labels;               ///< 0: no floor; regions from 1, not all numbers are used
-  std::vector<CutOpening> cuts;   ///< surest first; each parts two regions
-  std::set<int> parking;          ///< regions that gaps between parked cars belong to
+  cv::Mat1i labels;                    ///< 0: no floor; else the number of the region
+  std::map<int, FloorRegion> regions;  ///< by number; a region keeps its number as long as it stays the same
+  std::vector<CutOpening> cuts;        ///< surest first; each parts two regions
 };
 
 /// Small regions with one way in. When they are not closed in they are no more than what was seen through that way.
@@ -31,6 +41,45 @@ struct PartitionOptions {
 
 /// Takes the surest openings first, none that says the same as one before. Regions that are too small to be rooms, or have too little wall
 /// around them, join a neighbour through their least sure opening. No walls given: none are asked for.
+class FloorParter {
+ public:
+  explicit FloorParter(const PartitionOptions& options) : options_(options) {}
+
+  /// @param openings  all of at least options.min_probability, surest first. @param open, walls_changed  where floor and walls changed since the last call.
+  /// @return where there is a region now and was none, or the other way round, and around cuts that are new or gone.
+  Boxes update(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const std::vector<Opening>& openings, const Boxes& open,
+               const Boxes& walls_changed);
+  const Partition& partition() const { return partition_; }
+
+ private:
+  using Members = std::vector<Region::Member>;
+  struct Niche {
+    Eigen::Vector2d centre, across;  ///< of a dead end as a box; across: along its short sides
+    double width, depth;             ///< [cells]
+  };
+
+  Boxes draw_cuts(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& cuts, const Boxes& open);
+  double walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls) const;
+  Niche niche_of(const Region& region, int number) const;
+  std::set<int> find_slots(const std::vector<CutOpening>& cuts, const Floor& floor);
+  void number_regions(const std::vector<int>& roots, const std::set<int>& slots);
+  Boxes paint(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& healed);
+
+  PartitionOptions options_;
+  Partition partition_;
+  TiledRegions tiles_;
+  cv::Mat1b parted_;                            ///< the floor without its cuts
+  std::vector<CutOpening> drawn_, kept_, healed_;  ///< of the last round
+  Memo<Members, double> walled_;
+  Memo<Members, Niche> niches_;
+  std::map<Members, int> numbers_;
+  std::vector<int> number_of_;                  ///< final number of each region of tiles_
+  std::vector<std::vector<int>> painted_;       ///< numbers in each tile, as painted
+  std::vector<int> painted_stamp_;
+  int next_ = 1;
+};
+
+/// All at once, from openings in any order.
 Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, std::vector<Opening> openings,
                      const PartitionOptions& options);
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/semantics/room_finder.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
 
@@ -11,6 +14,7 @@ namespace {
 constexpr double kTolerance_m = 0.1;     // of the outline's corners
 constexpr double kMinHole_m2 = 3.0;      // smaller ones are furniture
 constexpr double kCorridorWidth_m = 3.2, kCorridorElongation = 4.0;
+constexpr int kMargin = 8;               // [cells] round a region
 constexpr double kReach_m = 0.15;        // the outline lies on what was hit this near
 constexpr double kStrip_m = 0.25, kCounter_m = 1.3, kBulky_m = 3.0, kBulkyLength_m = 4.0;  // of what hides floor, with its shadow
 constexpr double kDoorway_m = 0.3;       // a doorway reaches this far off its cut
@@ -21,19 +25,8 @@ bool is_corridor(const cv::Mat1b& mask, double area_m2, double resolution_m) {
   return width_m < kCorridorWidth_m && area_m2 / (width_m * width_m) > kCorridorElongation;
 }
 
-/// What one room is worked out from: the part of the rasters around its region.
-struct Patch {
-  cv::Mat1b mask;      ///< the region
-  cv::Mat1b foreign;   ///< other regions
-  cv::Mat1b barrier;   ///< hits and openings, fattened
-  cv::Mat1b doorways;  ///< openings and what lies near them
-  KnownSpace space;    ///< shares its pictures
-  bool parking;        ///< cars stand in it
-  bool glimpse;        ///< small, with one way in
-};
-
 /// Share of the region's rim that touches a barrier.
-double enclosed_share(const Patch& patch) {
+double enclosed_share(const RoomPatch& patch) {
   cv::Mat1b rim, on_barrier;
   cv::morphologyEx(patch.mask, rim, cv::MORPH_GRADIENT, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
   cv::bitwise_and(rim, patch.barrier, on_barrier);
@@ -52,7 +45,7 @@ cv::Mat1b holes_of(const cv::Mat1b& mask) {
 }
 
 /// What is larger than furniture, or cars where cars park, is space of its own that was not seen.
-void drop_unlikely_pieces(cv::Mat1b& filled, const Patch& patch) {
+void drop_unlikely_pieces(cv::Mat1b& filled, const RoomPatch& patch) {
   const double cell_m = patch.space.resolution_m;
   const int strip = 2 * static_cast<int>(std::lround(kStrip_m / cell_m / 2)) + 1;
   cv::Mat1b broad, piece;
@@ -70,7 +63,7 @@ void drop_unlikely_pieces(cv::Mat1b& filled, const Patch& patch) {
 }
 
 /// The region without what sticks out of it into doorways.
-cv::Mat1b without_doorways(const Patch& patch) {
+cv::Mat1b without_doorways(const RoomPatch& patch) {
   cv::Mat1b rest = patch.mask.clone();
   rest.setTo(0, patch.doorways);
   return rest;
@@ -78,7 +71,7 @@ cv::Mat1b without_doorways(const Patch& patch) {
 
 /// Rooms are boxes more often than not. Where the region's box takes nothing of another region, and something was hit on each of its sides, the
 /// rest of it is what furniture hides.
-void complete_box(Patch& patch, double least) {
+void complete_box(RoomPatch& patch, double least) {
   const cv::Mat1b region = without_doorways(patch);
   const double area = cv::countNonZero(region);
   if (area < 3) return;
@@ -109,12 +102,12 @@ void complete_box(Patch& patch, double least) {
 }
 
 /// Share of its box that a region must fill for the rest to be hidden floor; where nearly all of the outline was hit, furniture may hide more.
-double least_of_box(const Patch& patch, double enclosed) {
+double least_of_box(const RoomPatch& patch, double enclosed) {
   if (patch.parking) return kLeastOfParking;
   return enclosed >= kClosed ? kLeastOfClosedBox : kLeastOfBox;
 }
 
-bool make_room(Patch& patch, const RoomOptions& options, Room& room) {
+bool make_room(RoomPatch& patch, const RoomOptions& options, Room& room) {
   room.evidence = enclosed_share(patch);
   if (room.evidence < (patch.glimpse ? options.glimpse_enclosed : options.min_enclosed)) return false;
   complete_box(patch, least_of_box(patch, room.evidence));
@@ -135,49 +128,55 @@ bool make_room(Patch& patch, const RoomOptions& options, Room& room) {
 
 }  // namespace
 
-std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, const KnownSpace& space, const RoomOptions& options) {
-  if (partition.labels.empty()) return {};
-  cv::Mat1b barrier = floor.solid.clone();
-  for (const CutOpening& cut : partition.cuts)
-    cv::line(barrier, space.cell(cut.opening.a), space.cell(cut.opening.b), cv::Scalar(255), 1, cv::LINE_8);
-  cv::Mat1b doorways(barrier.size(), std::uint8_t{0});
+RoomPatch RoomMap::patch_of(int region, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse) const {
+  const double cell_m = space.resolution_m;
+  const FloorRegion& found = partition.regions.at(region);
+  const cv::Rect box = grown(found.box, kMargin) & cv::Rect({0, 0}, space.occupancy.size());
+  const int reach = static_cast<int>(std::lround(kReach_m / cell_m));
+  const cv::Rect wide = grown(box, reach) & cv::Rect({0, 0}, space.occupancy.size());
+  cv::Mat1b barrier = floor.solid(wide).clone(), doorways(box.size(), std::uint8_t{0});
   for (const CutOpening& cut : partition.cuts) {
+    const cv::Point a = space.cell(cut.opening.a), b = space.cell(cut.opening.b);
+    if (!meet(grown(cv::Rect(a, cv::Size(1, 1)) | cv::Rect(b, cv::Size(1, 1)), static_cast<int>(kDoorway_m / cell_m) + 2), wide)) continue;
+    cv::line(barrier, a - wide.tl(), b - wide.tl(), cv::Scalar(255), 1, cv::LINE_8);
     const Eigen::Vector2d d = (cut.opening.b - cut.opening.a).normalized(), n = kDoorway_m * Eigen::Vector2d(-d.y(), d.x());
-    const std::vector<cv::Point> box{space.cell(cut.opening.a - n), space.cell(cut.opening.b - n), space.cell(cut.opening.b + n), space.cell(cut.opening.a + n)};
-    cv::fillConvexPoly(doorways, box, cv::Scalar(255));
+    std::vector<cv::Point> ring;
+    for (const Eigen::Vector2d& p : std::array<Eigen::Vector2d, 4>{cut.opening.a - n, cut.opening.b - n, cut.opening.b + n, cut.opening.a + n}) ring.push_back(space.cell(p) - box.tl());
+    cv::fillConvexPoly(doorways, ring, cv::Scalar(255));
   }
-  const int reach = 2 * static_cast<int>(std::lround(kReach_m / space.resolution_m)) + 1;
-  cv::dilate(barrier, barrier, cv::getStructuringElement(cv::MORPH_RECT, {reach, reach}));
+  cv::dilate(barrier, barrier, cv::getStructuringElement(cv::MORPH_RECT, {2 * reach + 1, 2 * reach + 1}));
+  RoomPatch patch{{}, {}, barrier(box - wide.tl()), doorways, space, found.parking, glimpse};
+  patch.space.occupancy = space.occupancy(box);
+  patch.space.origin_m += cell_m * Eigen::Vector2d(box.x, box.y);
+  cv::inRange(partition.labels(box), region, region, patch.mask);
+  cv::inRange(partition.labels(box), 1, std::numeric_limits<int>::max(), patch.foreign);
+  patch.foreign.setTo(0, patch.mask);
+  return patch;
+}
 
-  const std::set<int> small = glimpses(partition, space.resolution_m, options.glimpse_m2);
-  std::map<int, cv::Rect> boxes;
-  for (int y = 0; y < partition.labels.rows; ++y) {
-    const int* row = partition.labels[y];
-    for (int x = 0; x < partition.labels.cols; ++x) {
-      if (row[x] == 0 || (x > 0 && row[x] == row[x - 1])) continue;
-      int end = x;
-      while (end < partition.labels.cols && row[end] == row[x]) ++end;
-      const auto [box, fresh] = boxes.insert({row[x], cv::Rect(x, y, end - x, 1)});
-      if (!fresh) box->second |= cv::Rect(x, y, end - x, 1);
-    }
-  }
+std::vector<Room> RoomMap::update(const Partition& partition, const Floor& floor, const KnownSpace& space, const Boxes& changed) {
+  const double cell_m = space.resolution_m;
+  const std::set<int> small = glimpses(partition, cell_m, options_.glimpse_m2);
+  rooms_.forget(changed);
   std::vector<Room> rooms;
-  for (const auto& [label, tight] : boxes) {
-    if (tight.area() * space.resolution_m * space.resolution_m < options.min_area_m2) continue;
-    constexpr int kMargin = 8;
-    const cv::Rect box = cv::Rect(tight.x - kMargin, tight.y - kMargin, tight.width + 2 * kMargin, tight.height + 2 * kMargin) &
-                         cv::Rect(0, 0, barrier.cols, barrier.rows);
-    Patch patch{{}, {}, barrier(box), doorways(box), space, partition.parking.count(label) > 0, small.count(label) > 0};
-    patch.space.occupancy = space.occupancy(box);
-    patch.space.origin_m += space.resolution_m * Eigen::Vector2d(box.x, box.y);
-    cv::inRange(partition.labels(box), label, label, patch.mask);
-    cv::inRange(partition.labels(box), 1, partition.labels.rows * partition.labels.cols, patch.foreign);
-    patch.foreign.setTo(0, patch.mask);
-    Room room;
-    room.region = label;
-    if (make_room(patch, options, room)) rooms.push_back(std::move(room));
+  for (const auto& [number, region] : partition.regions) {
+    if (region.box.area() * cell_m * cell_m < options_.min_area_m2) continue;
+    const bool glimpse = small.count(number) > 0;
+    const auto& room = rooms_.ask({number, glimpse, region.parking}, grown(region.box, kMargin + static_cast<int>(2 * kDoorway_m / cell_m)), [&, number = number] {
+      RoomPatch patch = patch_of(number, partition, floor, space, glimpse);
+      Room made;
+      made.region = number;
+      return make_room(patch, options_, made) ? std::optional<Room>(made) : std::nullopt;
+    });
+    if (room) rooms.push_back(*room);
   }
+  const auto order = [](const Room& room) { return std::pair(room.outline[0].y(), room.outline[0].x()); };
+  std::sort(rooms.begin(), rooms.end(), [&](const Room& p, const Room& q) { return order(p) < order(q); });
   return rooms;
+}
+
+std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, const KnownSpace& space, const RoomOptions& options) {
+  return RoomMap(options).update(partition, floor, space, {});
 }
 
 void join_rooms(std::vector<Door>& doors, const std::vector<Room>& rooms) {

@@ -4,6 +4,8 @@
 /// The thesis looked for cycles of wall ends; one hidden corner breaks a cycle, and cycles round unseen space are rooms too. Here a region
 /// of seen floor is a room when its outline lies on hits, walls and openings (the closed cycle), and unexplored space cannot be one.
 #pragma once
+#include <optional>
+#include <tuple>
 #include <vector>
 
 #include "common/semantics/partition.hpp"
@@ -17,6 +19,33 @@ struct RoomOptions {
   double glimpse_enclosed = 0.72;  ///< the same for small regions with one way in
   double glimpse_m2 = 12;              ///< larger ones are not small
   double min_explored = 0.5;
+};
+
+/// What one room is worked out from: the part of the rasters around its region.
+struct RoomPatch {
+  cv::Mat1b mask;      ///< the region
+  cv::Mat1b foreign;   ///< other regions
+  cv::Mat1b barrier;   ///< hits and openings, fattened
+  cv::Mat1b doorways;  ///< openings and what lies near them
+  KnownSpace space;    ///< shares its pictures
+  bool parking;        ///< cars stand in it
+  bool glimpse;        ///< small, with one way in
+};
+
+/// Keeps the rooms of a floor in step with it.
+class RoomMap {
+ public:
+  explicit RoomMap(const RoomOptions& options) : options_(options) {}
+
+  /// @param changed  where partition, floor or space are new since the last call.
+  std::vector<Room> update(const Partition& partition, const Floor& floor, const KnownSpace& space, const Boxes& changed);
+
+ private:
+  using Asked = std::tuple<int, bool, bool>;   ///< region, a glimpse, parking
+  RoomPatch patch_of(int region, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse) const;
+
+  RoomOptions options_;
+  Memo<Asked, std::optional<Room>> rooms_;
 };
 
 std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, const KnownSpace& space, const RoomOptions& options);

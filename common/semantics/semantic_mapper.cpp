@@ -3,11 +3,10 @@
 
 #include <algorithm>
 
-#include "common/semantics/interpret.hpp"
-
 namespace modslam {
 
-SemanticMapper::SemanticMapper(const SemanticsConfig& config) : config_(config), model_(config.opening_trees), occupancy_(kCell_m, config.range_limit_m) {}
+SemanticMapper::SemanticMapper(const SemanticsConfig& config)
+    : config_(config), occupancy_(kCell_m, config.range_limit_m), evidence_(kCell_m), space_(kCell_m), interpreter_(config) {}
 
 void SemanticMapper::clear() { *this = SemanticMapper(config_); }
 
@@ -33,6 +32,16 @@ void SemanticMapper::draw(const NodeView& node, int sign) {
   else
     occupancy_.remove(node.scan, node.sensor, node.drawn);
   for (std::size_t k = 0; k < node.points.size(); ++k) evidence_.add(node.drawn * node.points[k].p, node.lines.on_segment[k], sign);
+  show(node, interpreter_, sign);
+}
+
+void SemanticMapper::show(const NodeView& node, Interpreter& interpreter, int sign) const {
+  for (Segment segment : node.lines.segments) {
+    segment.a = node.drawn * segment.a;
+    segment.b = node.drawn * segment.b;
+    interpreter.add(segment, sign);
+  }
+  for (const DoorSighting& door : node.doors) interpreter.add(DoorSighting{node.drawn * door.a, node.drawn * door.b}, sign);
 }
 
 void SemanticMapper::redraw(bool all) {
@@ -46,23 +55,20 @@ void SemanticMapper::redraw(bool all) {
 }
 
 SemanticLayers SemanticMapper::render() const {
-  SemanticEvidence evidence{KnownSpace(occupancy_), {}, {}, [this](const Eigen::Vector2d& p) { return evidence_.log_odds(p); }};
-  for (const NodeView& node : nodes_) {
-    PlacedSegments placed;
-    for (Segment segment : node.lines.segments) {
-      segment.a = node.wanted * segment.a;
-      segment.b = node.wanted * segment.b;
-      placed.push_back(segment);
-    }
-    evidence.scans.push_back(std::move(placed));
-    for (const DoorSighting& door : node.doors) evidence.sightings.push_back({node.wanted * door.a, node.wanted * door.b});
-  }
-  return interpret(evidence, config_, model_);
+  KnownSpace space(kCell_m);
+  Interpreter interpreter(config_);
+  for (const NodeView& node : nodes_) show(node, interpreter, 1);
+  const auto tiles = occupancy_.tiles();
+  const Boxes changed = space.update(occupancy_, {tiles.begin(), tiles.end()});
+  return interpreter.update(space, changed, [this](const Eigen::Vector2d& p) { return evidence_.log_odds(p); }, {});
 }
 
 const SemanticLayers& SemanticMapper::update(bool settled) {
   redraw(settled);
-  SemanticLayers layers = render();
+  const Boxes changed = space_.update(occupancy_, occupancy_.take_changed());
+  Boxes odds;
+  for (const auto& [x, y, side] : evidence_.take_changed()) odds.emplace_back(x, y, side, side);
+  SemanticLayers layers = interpreter_.update(space_, changed, [this](const Eigen::Vector2d& p) { return evidence_.log_odds(p); }, odds);
   identities_.carry_over(layers_, layers);
   layers_ = std::move(layers);
   return layers_;

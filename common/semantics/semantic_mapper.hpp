@@ -11,7 +11,7 @@
 #include "common/semantics/evidence_grid.hpp"
 #include "common/semantics/hough.hpp"
 #include "common/semantics/identities.hpp"
-#include "common/semantics/opening_model.hpp"
+#include "common/semantics/interpret.hpp"
 #include "common/semantics/semantics_config.hpp"
 
 namespace modslam {
@@ -23,7 +23,7 @@ class SemanticMapper {
   /// Ids must come in order: 0, 1, 2, ...
   void add_node(const Scan& scan, const SensorInfo& sensor, const Pose2& T_map_base);
   void set_pose(NodeId id, const Pose2& T_map_base) { nodes_[static_cast<std::size_t>(id)].wanted = T_map_base; }
-  /// Works out walls, doors, rooms and objects anew; ids of what was there before stay. `settled`: the input has ended.
+  /// Works out walls, doors, rooms and objects where something changed; ids of what was there before stay. `settled`: the input has ended.
   const SemanticLayers& update(bool settled);
   /// All of it from the evidence, whatever was known before. Ids are left 0.
   SemanticLayers render() const;
@@ -39,13 +39,15 @@ class SemanticMapper {
     Pose2 drawn, wanted;
   };
   void draw(const NodeView& node, int sign);
+  void show(const NodeView& node, Interpreter& interpreter, int sign) const;
   void redraw(bool all);
 
   SemanticsConfig config_;
-  OpeningModel model_;
   static constexpr double kCell_m = 0.05;
   OccupancyMap occupancy_;
   EvidenceGrid evidence_;
+  KnownSpace space_;
+  Interpreter interpreter_;
   std::vector<NodeView> nodes_;
   SemanticLayers layers_;
   Identities identities_;

@@ -16,6 +16,7 @@ struct Wall {
   Eigen::Vector2d a, b;      ///< ends; the free side lies to the left of a -> b
   double evidence = 0;       ///< mean log-odds of wall against object along it
   double sigma_m = 0;        ///< scatter of its points across it
+  bool on_object = false;    ///< something that stands free lies right behind most of it
   double length_m() const { return (b - a).norm(); }
   Eigen::Vector2d direction() const { return (b - a).normalized(); }
   Eigen::Vector2d normal() const { const Eigen::Vector2d u = direction(); return {-u.y(), u.x()}; }  ///< towards the free side

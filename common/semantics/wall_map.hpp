@@ -1,37 +1,53 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file Walls from the segments of many scans: the segment merging of the thesis (algorithm 4), done with sums.
+/// @file Walls from the segments of many scans: the segment merging of the thesis (algorithm 4), done with sums and block by block.
 ///
-/// Segments that lie on one line, seen from one side, join a band. A band keeps the sums of its points (so its line is the least-squares line
-/// of all of them) and where along it segments lay; a wall is a stretch that enough scans have seen.
+/// Lines of one block that are one line become a band, bands of neighbouring blocks that go on in each other become one; a wall is a stretch of a band
+/// that enough scans have seen. After a change only its blocks, and the bands that run through them, are worked out again.
 #pragma once
-#include <functional>
-#include <vector>
-
-#include "common/semantics/hough.hpp"
-#include "common/semantics/types.hpp"
+#include "common/semantics/memo.hpp"
+#include "common/semantics/wall_band.hpp"
 
 namespace modslam {
-
-struct WallMapOptions {
-  double join_rad = 0.09;      ///< largest angle between a segment and the band it joins
-  double join_m = 0.09;        ///< largest distance of the segment's middle from the band
-  double band_gap_m = 3.0;     ///< longest gap along one band
-  double bridge_m = 0.25;      ///< gaps this short inside a wall are closed
-  double min_length_m = 0.5;
-  int min_sightings = 2;       ///< scans that must have seen a stretch
-};
 
 /// Segments of one scan, placed in the map.
 using PlacedSegments = std::vector<Segment>;
 
-/// Walls of one band, in order along it. Gaps between neighbours are where doors are looked for.
-struct WallBand {
-  std::vector<Wall> walls;
+class WallMap {
+ public:
+  using IsSolid = std::function<bool(const Eigen::Vector2d&)>;
+  using Finish = std::function<void(Wall&)>;
+
+  explicit WallMap(const WallMapOptions& options) : options_(options) {}
+
+  /// A segment of one scan, map frame; sign -1 takes it back.
+  void add(const Segment& segment, int sign) { blocks_.add(segment, sign); }
+
+  /// @param is_solid  whether the raster knows something solid around a place: a stretch that most beams passed is no wall. @param finish  fills in what
+  /// else a wall has. @param changed  plan_box()es in which the answers of either may be new. @return bands with a wall each, in an order that depends on nothing but what they are.
+  std::vector<WallBand> update(const IsSolid& is_solid, const Finish& finish, const Boxes& changed);
+
+ private:
+  using Index = WallBlocks::Index;
+  using Member = std::pair<Index, int>;   ///< block, number of the band in it
+  using Links = std::vector<std::pair<Member, Member>>;
+
+  void find_bands(const Index& index);
+  void find_links(const Index& index);
+  std::vector<std::vector<Member>> chains() const;
+  std::vector<WallBand> walls_of(const std::vector<Member>& chain, const IsSolid& is_solid, const Finish& finish) const;
+  const Band& band(const Member& member) const { return bands_.at(member.first)[static_cast<std::size_t>(member.second)]; }
+
+  WallMapOptions options_;
+  WallBlocks blocks_;
+  std::map<Index, std::vector<Band>> bands_;
+  std::map<Index, Links> links_;            ///< from a block to those after it
+  Memo<std::vector<Member>, std::vector<WallBand>> walls_;
 };
 
-/// @param scans segments of each scan in the map frame. @param is_solid whether the raster knows something solid around a place: a stretch
-/// that most beams passed is no wall, whoever drew a line across it. Cost O(segments * bands of like direction). Same input, same order out.
-std::vector<WallBand> merge_segments(const std::vector<PlacedSegments>& scans, const WallMapOptions& options,
-                                     const std::function<bool(const Eigen::Vector2d&)>& is_solid);
+/// Box of cells of 0.05 m from the map's origin around two corners.
+cv::Rect plan_box(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m);
+
+/// All at once. Same input, same order out.
+std::vector<WallBand> merge_segments(const std::vector<PlacedSegments>& scans, const WallMapOptions& options, const WallMap::IsSolid& is_solid);
 
 }  // namespace modslam

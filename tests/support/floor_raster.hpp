@@ -12,7 +12,7 @@ constexpr std::uint8_t kUnknown = 0, kFree = 10, kSolid = 250;
 
 /// All unknown, from (0, 0) to (width_m, height_m).
 inline KnownSpace unknown_floor(double width_m, double height_m) {
-  KnownSpace space(OccupancyMap(0.1, 20.0));
+  KnownSpace space(0.1);
   space.occupancy = cv::Mat1b(static_cast<int>(std::lround(height_m / 0.1)), static_cast<int>(std::lround(width_m / 0.1)), kUnknown);
   return space;
 }

@@ -84,7 +84,7 @@ TEST_CASE("two rooms with a door between are two rooms, and the door names both"
   REQUIRE(rooms[0].area_m2 + rooms[1].area_m2 == Approx(5.9 * 6 + 3.9 * 6).margin((23.8 + 19.8) * kRim_m));
   rooms[0].id = 7;
   rooms[1].id = 9;
-  auto doors = find_doors(partition, {}, {});
+  auto doors = find_doors(partition, DoorSightings(), {});
   REQUIRE(doors.size() == 1);
   join_rooms(doors, rooms);
   REQUIRE(std::min(doors[0].room_a, doors[0].room_b) == 7);
@@ -134,7 +134,7 @@ TEST_CASE("an unexplored rectangle between walls is no room, nor is open floor w
   KnownSpace open = test::unknown_floor(8, 8);
   test::fill(open, 1, 1, 7, 7, test::kFree);
   REQUIRE(rooms_of(open).empty());
-  REQUIRE(rooms_of(KnownSpace(OccupancyMap(0.1, 20))).empty());
+  REQUIRE(rooms_of(KnownSpace(0.1)).empty());
 }
 
 TEST_CASE("a corridor that runs round a block has the block as a hole") {
@@ -156,11 +156,11 @@ TEST_CASE("a box of a car's size that stands free is a car; a pillar is a pillar
   test::fill(space, 0.5, 0.5, 11.5, 9.5, test::kFree);
   test::fill_thing(space, 3, 3, 7.4, 4.8);
   test::fill(space, 9, 7, 9.4, 7.4, test::kSolid);
-  const ObjectMap found = find_objects(space, 14);
+  const ObjectMap found = find_objects(space, make_floor(space, 14), 14);
   REQUIRE(found.objects.size() == 2);
-  REQUIRE(found.objects[0].class_name == "car");
-  REQUIRE(found.objects[0].area_m2 == Approx(4.4 * 1.8).epsilon(0.05));
-  REQUIRE(found.objects[1].class_name == "pillar");
+  REQUIRE(found.objects[0].object.class_name == "car");
+  REQUIRE(found.objects[0].object.area_m2 == Approx(4.4 * 1.8).epsilon(0.05));
+  REQUIRE(found.objects[1].object.class_name == "pillar");
   REQUIRE(found.mask(space.cell({5, 4})) == 255);
   REQUIRE(found.mask(space.cell({2, 2})) == 0);
 }
@@ -171,10 +171,10 @@ TEST_CASE("a long thin island is a piece of wall, a big block is building, a sha
   test::fill(space, 2, 2, 4, 2.2, test::kSolid);
   test::fill_thing(space, 5, 4, 9.5, 8.5);
   test::fill(space, 2, 6, 3, 7, test::kUnknown);
-  const ObjectMap found = find_objects(space, 14);
+  const ObjectMap found = find_objects(space, make_floor(space, 14), 14);
   REQUIRE(found.objects.empty());
   REQUIRE(cv::countNonZero(found.mask) == 0);
-  REQUIRE(find_objects(KnownSpace(OccupancyMap(0.1, 20)), 14).objects.empty());
+  REQUIRE(find_objects(KnownSpace(0.1), Floor(), 14).objects.empty());
 }
 
 TEST_CASE("a small nook without walls around it joins the room it opens to") {

@@ -149,3 +149,95 @@ TEST_CASE("clear() forgets everything, and nothing is found in nothing") {
   mapper.add_node(blind, sensor, {});
   REQUIRE(mapper.update(true).walls.empty());
 }
+
+namespace {
+
+constexpr double kNanometre = 1e-9;
+
+bool same_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c, const Eigen::Vector2d& d) {
+  return (a - c).norm() < kNanometre && (b - d).norm() < kNanometre;
+}
+
+bool same_outlines(const std::vector<Eigen::Vector2d>& p, const std::vector<Eigen::Vector2d>& q) {
+  return p.size() == q.size() && std::equal(p.begin(), p.end(), q.begin(), [](const auto& a, const auto& b) { return (a - b).norm() < kNanometre; });
+}
+
+/// The rooms that a door joins, as places inside them: numbers of regions tell nothing outside their run.
+std::vector<Eigen::Vector2d> rooms_at(const Door& door, const SemanticLayers& layers) {
+  std::vector<Eigen::Vector2d> out;
+  for (const Room& room : layers.rooms)
+    if (room.region == door.region_a || room.region == door.region_b) out.push_back(room.outline[0]);
+  return out;
+}
+
+void require_same(const SemanticLayers& a, const SemanticLayers& b) {
+  REQUIRE(a.walls.size() == b.walls.size());
+  REQUIRE(a.doors.size() == b.doors.size());
+  REQUIRE(a.rooms.size() == b.rooms.size());
+  REQUIRE(a.objects.size() == b.objects.size());
+  for (std::size_t k = 0; k < a.walls.size(); ++k) {
+    REQUIRE(same_line(a.walls[k].a, a.walls[k].b, b.walls[k].a, b.walls[k].b));
+    REQUIRE(a.walls[k].evidence == Approx(b.walls[k].evidence));
+    REQUIRE(a.walls[k].sigma_m == Approx(b.walls[k].sigma_m));
+  }
+  for (std::size_t k = 0; k < a.doors.size(); ++k) {
+    REQUIRE(same_line(a.doors[k].a, a.doors[k].b, b.doors[k].a, b.doors[k].b));
+    REQUIRE(a.doors[k].evidence == Approx(b.doors[k].evidence));
+    REQUIRE(same_outlines(rooms_at(a.doors[k], a), rooms_at(b.doors[k], b)));
+  }
+  for (std::size_t k = 0; k < a.rooms.size(); ++k) {
+    REQUIRE(same_outlines(a.rooms[k].outline, b.rooms[k].outline));
+    REQUIRE(a.rooms[k].corridor == b.rooms[k].corridor);
+    REQUIRE(a.rooms[k].explored == Approx(b.rooms[k].explored));
+    REQUIRE(a.rooms[k].evidence == Approx(b.rooms[k].evidence));
+  }
+  for (std::size_t k = 0; k < a.objects.size(); ++k) {
+    REQUIRE(same_outlines(a.objects[k].outline, b.objects[k].outline));
+    REQUIRE(a.objects[k].class_name == b.objects[k].class_name);
+  }
+}
+
+/// Rooms along a corridor with boxes of furniture in them; nothing stands on a raster line.
+test::Plan furnished_corridor(RandomStream& random, int rooms) {
+  test::Plan plan;
+  test::add_box(plan, -0.33, -0.97, 4.0 * rooms + 0.33, 0.98);
+  plan.erase(plan.end() - 4, plan.end());
+  for (const double side : {-1.0, 1.0})
+    for (int k = 0; k < rooms; ++k) {
+      const double x = 4.1 * k, near = side, far = side * 5.2, door = x + random.uniform(0.5, 2.5);
+      plan.push_back({{x, near}, {x, far}});
+      plan.push_back({{x + 4.0, near}, {x + 4.0, far}});
+      plan.push_back({{x, far}, {x + 4.0, far}});
+      plan.push_back({{x, near}, {door, near}});
+      plan.push_back({{door + 0.9, near}, {x + 4.1, near}});
+      const double bx = x + random.uniform(0.3, 2.5), by = side * random.uniform(2.2, 4.0);
+      test::add_box(plan, bx, by, bx + random.uniform(0.3, 1.2), by + random.uniform(0.3, 0.8));
+    }
+  return plan;
+}
+
+}  // namespace
+
+TEST_CASE("whatever came and moved in whatever order, the map is the one that is made of it all at once") {
+  for (const std::uint64_t seed : {801U, 802U, 803U}) {
+    RandomStream random(seed, RandomStreamId::kLaser);
+    const test::Plan plan = furnished_corridor(random, 5);
+    const SensorInfo sensor = test::short_laser();
+    SemanticMapper mapper{SemanticsConfig()};
+    std::vector<Pose2> places;
+    for (int step = 0; step < 60; ++step) {
+      const double x = 0.5 + 0.33 * step, y = step % 3 == 0 ? random.uniform(-0.5, 0.5) : random.uniform(-4.5, 4.5);
+      places.emplace_back(x, y, random.uniform(-3, 3));
+      mapper.add_node(test::see(plan, sensor, places.back(), &random), sensor, places.back());
+      for (int moves = 0; step % 5 == 4 && moves < 4; ++moves) {
+        const auto id = static_cast<std::size_t>(random.uniform(0, static_cast<double>(places.size()) - 0.01));
+        places[id] = places[id] * Pose2(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), random.uniform(-0.05, 0.05));
+        mapper.set_pose(static_cast<NodeId>(id), places[id]);
+      }
+      if (step % 4 != 0 && step + 1 < 60) continue;
+      const SemanticLayers incremental = mapper.update(step % 8 == 0);
+      INFO("seed " << seed << ", step " << step);
+      require_same(incremental, mapper.render());
+    }
+  }
+}

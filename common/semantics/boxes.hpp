@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Boxes of cells, to say where a raster changed and what must be looked at again for it.
+#pragma once
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace modslam {
+
+using Boxes = std::vector<cv::Rect>;
+
+inline cv::Rect grown(const cv::Rect& box, int cells) { return {box.x - cells, box.y - cells, box.width + 2 * cells, box.height + 2 * cells}; }
+
+inline bool meet(const cv::Rect& p, const cv::Rect& q) { return (p & q).area() > 0; }
+
+bool meet(const Boxes& boxes, const cv::Rect& box);
+
+/// Boxes grown by so many cells and cut off at the frame; those that share much become one.
+Boxes windows(const Boxes& boxes, int cells, const cv::Size& frame);
+
+/// Box around the cells in which two pictures of one size differ; empty: they do not.
+cv::Rect difference(const cv::Mat& p, const cv::Mat& q);
+
+/// Takes the picture over into `whole` at `box`, and notes where that changed it.
+void take_over(cv::Mat whole, const cv::Rect& box, const cv::Mat& picture, Boxes& changed);
+
+}  // namespace modslam

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file What is measured of a cut through the floor.
+#pragma once
+#include "common/semantics/openings.hpp"
+
+namespace modslam {
+
+class CutFeatures {
+ public:
+  CutFeatures(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls) : floor_(floor), space_(space), walls_(walls), cell_m_(floor.resolution_m) {}
+
+  /// @param narrowest  length of the narrowest cut near by.
+  Opening measure(const FloorCut& cut, double narrowest) const;
+  /// Cells that the features depend on.
+  static cv::Rect reach(const FloorCut& cut, double cell_m);
+
+ private:
+  struct Side {
+    double depth_m = 0, clearance = 0, flare = 0;
+  };
+  bool is_open(const Eigen::Vector2d& p) const {
+    const cv::Point c(cvRound(p.x()), cvRound(p.y()));
+    return c.x >= 0 && c.y >= 0 && c.x < floor_.open.cols && c.y < floor_.open.rows && floor_.open(c);
+  }
+  double solid_beyond_m(const Eigen::Vector2d& p, const Eigen::Vector2d& out) const;
+  double hit_share(const Eigen::Vector2d& p, const Eigen::Vector2d& out) const;
+  Side look(const FloorCut& cut, const Eigen::Vector2d& n) const;
+  double wall_at_m(const Eigen::Vector2d& p) const;
+
+  const Floor& floor_;
+  const KnownSpace& space_;
+  const std::vector<Wall>& walls_;
+  double cell_m_;
+};
+
+/// Whether the way from a to b leads over floor but for its very ends.
+bool is_clear(const Floor& floor, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
+
+}  // namespace modslam

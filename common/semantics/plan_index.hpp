@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// @file Things of a plan by the squares that the boxes around them reach into, so that one looks only at what is near.
+#pragma once
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace modslam {
+
+class PlanIndex {
+ public:
+  explicit PlanIndex(double square_m) : square_m_(square_m) {}
+
+  /// A thing whose box has p and q among its corners.
+  void add(const Eigen::Vector2d& p, const Eigen::Vector2d& q, std::size_t number) {
+    each_square(p, q, 0, [&](std::int64_t key) { squares_[key].push_back(number); });
+  }
+
+  /// Numbers of all things that may lie within `margin_m` of the box, lowest first.
+  std::vector<std::size_t> near(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m) const {
+    std::vector<std::size_t> found;
+    each_square(p, q, margin_m, [&](std::int64_t key) {
+      if (const auto square = squares_.find(key); square != squares_.end()) found.insert(found.end(), square->second.begin(), square->second.end());
+    });
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+  }
+
+ private:
+  template <class Visit>
+  void each_square(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m, Visit visit) const {
+    const auto index = [&](double x) { return static_cast<std::int64_t>(std::floor(std::clamp(x, -1e6, 1e6) / square_m_)); };
+    const Eigen::Vector2d low = p.cwiseMin(q).array() - margin_m, high = p.cwiseMax(q).array() + margin_m;
+    for (std::int64_t y = index(low.y()); y <= index(high.y()); ++y)
+      for (std::int64_t x = index(low.x()); x <= index(high.x()); ++x) visit(x * (std::int64_t{1} << 32) + y);
+  }
+
+  double square_m_;
+  std::unordered_map<std::int64_t, std::vector<std::size_t>> squares_;
+};
+
+}  // namespace modslam
