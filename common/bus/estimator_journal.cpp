@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <modslam/estimator_anchor_t.hpp>
 #include <modslam/graph_update_t.hpp>
 #include <modslam/loop_closure_t.hpp>
 #include <set>
@@ -18,6 +19,7 @@ namespace {
 /// The journal's content up to its last state.
 struct Records {
   estimator_state_t state{};
+  std::optional<estimator_anchor_t> anchor;
   std::map<NodeId, graph_node_t> nodes;
   std::map<std::int64_t, std::map<int, graph_update_t>> updates;  ///< by seq, then chunk
   std::vector<LoopProposal> loops;
@@ -29,6 +31,7 @@ void take(const std::vector<const LogEvent*>& completed, Records& records) {
     graph_node_t node{};
     graph_update_t update{};
     loop_closure_t loop{};
+    estimator_anchor_t anchor{};
     if (record->channel == channel::kNode && read_record(*record, node)) {
       records.nodes[node.id] = std::move(node);
     } else if (record->channel == channel::kGraph && read_record(*record, update)) {
@@ -36,6 +39,8 @@ void take(const std::vector<const LogEvent*>& completed, Records& records) {
       records.updates[update.seq][update.chunk] = std::move(update);
     } else if (record->channel == kLoopRecord && read_record(*record, loop)) {
       records.loops.push_back(to_loop(loop));
+    } else if (record->channel == kEstimatorAnchor && read_record(*record, anchor)) {
+      records.anchor = anchor;
     }
   }
 }
@@ -80,6 +85,13 @@ void apply_updates(const Records& records, EstimatorMemory& memory, std::vector<
   for (const auto& [id, edge] : edges) memory.graph.edges.push_back(edge);
 }
 
+void place_robot(const Records& records, EstimatorMemory& memory) {
+  const Pose2 T_node_base = to_pose(records.state.T_node_base);
+  memory.robot = {records.anchor ? records.anchor->node : records.state.nnodes - 1, T_node_base, to_matrix(records.state.covariance)};
+  memory.T_step_base = records.anchor ? to_pose(records.anchor->T_step_base) : T_node_base;
+  if (memory.robot.node < 0 || memory.robot.node >= records.state.nnodes) throw BadMessage("its robot hangs on a node that is not in it");
+}
+
 bool was_accepted(const LoopProposal& loop, const std::vector<GraphEdge>& accepted) {
   return std::any_of(accepted.begin(), accepted.end(), [&](const GraphEdge& edge) { return edge.from == loop.from && edge.to == loop.to; });
 }
@@ -112,8 +124,7 @@ std::optional<EstimatorPast> read_estimator_journal(const std::vector<LogEvent>&
     apply_updates(records, past.memory, accepted);
     for (const LoopProposal& loop : records.loops)
       if (is_usable(loop.verdict) && !was_accepted(loop, accepted)) past.memory.waiting.push_back(loop);
-    past.memory.T_node_base = to_pose(records.state.T_node_base);
-    past.memory.cov_node_base = to_matrix(records.state.covariance);
+    place_robot(records, past.memory);
   } catch (const BadMessage& bad) {
     trouble = bad.what();
     return std::nullopt;

@@ -14,6 +14,7 @@
 namespace modslam {
 
 inline constexpr const char* kEstimatorState = "ESTIMATOR_STATE";
+inline constexpr const char* kEstimatorAnchor = "ESTIMATOR_ANCHOR";  ///< journals of older versions have none
 inline constexpr const char* kLoopRecord = "LOOP";  ///< that was handled
 
 struct EstimatorPast {

@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <modslam/estimator_anchor_t.hpp>
 #include <modslam/pose_estimate_t.hpp>
 #include <modslam/sync_request_t.hpp>
 
@@ -14,7 +15,9 @@ namespace modslam {
 namespace {
 
 constexpr std::size_t kPosesPerChunk = 1000, kEdgesPerChunk = 400;  // both below 60 kB
-constexpr double kPolishSpacing_m = 0.05;
+constexpr double kPolishSpacing_m = 0.05, kPlaceSpacing_m = 0.04;
+constexpr double kNothingNew = 0.75;       // share of a scan that lies on what the nodes around saw
+constexpr std::size_t kPlaceNodes = 12;  // that a scan in known space is matched against: the nearest
 constexpr NodeId kNodesPerTick = 20;
 
 graph_edge_t to_message(const GraphEdge& edge) {
@@ -68,7 +71,7 @@ std::optional<SensorInfo> EstimatorSession::sensor() const {
 
 void EstimatorSession::step(const Scan& scan, const SensorInfo& sensor,
                             const std::vector<MotionMeasurement>& measurements, Verdict verdict) {
-  const GraphEstimator::Step step = estimator_.move(measurements);
+  const GraphEstimator::Step step = estimator_.move(measurements, places_ ? locator(scan, sensor) : Localize());
   bus_.saw_utime(scan.utime);
   state_.utime = scan.utime;
   put(state_.T_node_base, step.T_node_base);
@@ -79,13 +82,45 @@ void EstimatorSession::step(const Scan& scan, const SensorInfo& sensor,
   send();
 }
 
+/// Answers where a scan was taken among old nodes.
+Localize EstimatorSession::locator(const Scan& scan, const SensorInfo& sensor) const {
+  return [&](const std::vector<NodeId>& known, const Anchorage& expected) {
+    const Pose2& T_map_node = estimator_.graph().poses[static_cast<std::size_t>(known.front())];
+    const Keyframe now{T_map_node * expected.T_node_base, orient(scan, sensor, places_->noise, places_->range_limit_m, kPlaceSpacing_m),
+                       sensor.T_base_laser.translation()};
+    std::vector<Keyframe> nodes;
+    for (std::size_t k = 0; k < std::min(known.size(), kPlaceNodes); ++k) nodes.push_back(keyframe(known[k], kPlaceSpacing_m));
+    std::vector<const Keyframe*> all;
+    for (const Keyframe& node : nodes) all.push_back(&node);
+    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+    R.topLeftCorner<2, 2>() = rotation(-expected.T_node_base.heading);
+    const PlaceMatch match = match_place(now, all, R * expected.covariance * R.transpose(), places_->limits);
+    Localized answer;
+    answer.shows_nothing_new = match.figures.overlap > kNothingNew && match.verdict != Verdict::kInconsistent;
+    // A fix that is blind along a corridor would cut the way there in pieces; one at its end corrects all of it.
+    if (match.verdict == Verdict::kOk) answer.fix = AnchorFix{between(T_map_node, match.T_map_base), match.information};
+    return answer;
+  };
+}
+
+/// A node and its scan, oriented anew.
+Keyframe EstimatorSession::keyframe(NodeId id, double spacing_m) const {
+  const graph_node_t& node = nodes_[static_cast<std::size_t>(id)];
+  const SensorInfo sensor = to_sensor_info(node.sensor);
+  return {estimator_.graph().poses[static_cast<std::size_t>(id)], orient(to_scan(node.scan), sensor, places_->noise, places_->range_limit_m, spacing_m),
+          sensor.T_base_laser.translation()};
+}
+
 void EstimatorSession::place(std::int64_t utime, const Pose2& T_map_base, const Eigen::Matrix3d& information, Verdict verdict) {
   const std::vector<Pose2>& poses = estimator_.graph().poses;
   const auto nearest = std::min_element(poses.begin(), poses.end(), [&](const Pose2& a, const Pose2& b) {
     return distance(a, T_map_base) < distance(b, T_map_base);
   });
   bus_.saw_utime(utime);
-  GraphEstimator::Step step{T_map_base, Eigen::Matrix3d::Zero(), static_cast<NodeId>(nearest - poses.begin()), between(*nearest, T_map_base), false};
+  GraphEstimator::Step step;
+  step.T_map_base = T_map_base;
+  step.node = static_cast<NodeId>(nearest - poses.begin());
+  step.T_node_base = between(*nearest, T_map_base);
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   R.topLeftCorner<2, 2>() = rotation(-nearest->heading);
   step.covariance = R * (information + 1e-3 * Eigen::Matrix3d::Identity()).inverse() * R.transpose();
@@ -118,9 +153,17 @@ void EstimatorSession::send() {
   state_.nnodes = static_cast<std::int64_t>(nodes_.size());
   state_.epoch = estimator_.epoch();
   state_.postponed = estimator_.postponed();
+  write_anchor();
   journal_.write(kEstimatorState, state_);
   for (const Letter& letter : letters_) bus_.publish_bytes(letter.channel, letter.bytes.data(), static_cast<int>(letter.bytes.size()));
   letters_.clear();
+}
+
+void EstimatorSession::write_anchor() {
+  estimator_anchor_t anchor{};
+  anchor.node = estimator_.robot().node;
+  put(anchor.T_step_base, estimator_.T_step_base());
+  journal_.write(kEstimatorAnchor, anchor);
 }
 
 void EstimatorSession::finish() {
@@ -130,14 +173,10 @@ void EstimatorSession::finish() {
   send();
 }
 
-void EstimatorSession::polish(const RangeNoise& noise, double range_limit_m) {
+void EstimatorSession::polish() {
   if (size() == polished_size_) return;  // nothing came since
   std::vector<Keyframe> nodes;
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    const SensorInfo sensor = to_sensor_info(nodes_[k].sensor);
-    nodes.push_back({estimator_.graph().poses[k], orient(to_scan(nodes_[k].scan), sensor, noise, range_limit_m, kPolishSpacing_m),
-                     sensor.T_base_laser.translation()});
-  }
+  for (std::size_t k = 0; k < nodes_.size(); ++k) nodes.push_back(keyframe(static_cast<NodeId>(k), kPolishSpacing_m));
   estimator_.polish(measure_overlaps(std::move(nodes)));
   polished_size_ = size();
   write_changes();
@@ -181,6 +220,8 @@ void EstimatorSession::write_pose(std::int64_t utime, const GraphEstimator::Step
   message.verdict = static_cast<std::int8_t>(verdict);
   message.node_id = step.node;
   put(message.T_node_base, step.T_node_base);
+  message.node_before = step.node_before;
+  put(message.T_before_base, step.T_before_base);
   publish_later(channel::kPose, message, false);
 }
 
@@ -222,6 +263,7 @@ void EstimatorSession::write_update(const GraphChanges& changes, bool snapshot) 
 
 std::string EstimatorSession::words() const {
   return std::to_string(state_.pose_seq) + " poses, " + std::to_string(nodes_.size()) + " nodes, " +
+         (estimator_.reused() ? std::to_string(estimator_.reused()) + " times on old ones, " : "") +
          std::to_string(estimator_.accepted()) + " loops accepted, " + std::to_string(refused_) + " refused, " +
          std::to_string(estimator_.retracted()) + " retracted" + trouble_ +
          (journal_.trouble().empty() ? "" : "; " + journal_.trouble());

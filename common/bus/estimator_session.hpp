@@ -44,8 +44,16 @@ class EstimatorSession {
   LoopFate add_loop(const LoopProposal& proposal);
   /// The input has ended: optimise to convergence and publish what moved.
   void finish();
+  /// How scans are compared with nodes: for places that are full of nodes, and for polish(). Without it every place gets nodes.
+  struct Places {
+    RangeNoise noise;
+    double range_limit_m = 0;
+    PlaceLimits limits;
+  };
+  void compare_scans(const Places& places) { places_ = places; }
   /// Measures all scans that see the same surfaces against each other and moves the nodes accordingly; publishes what moved.
-  void polish(const RangeNoise& noise, double range_limit_m);
+  /// Needs compare_scans().
+  void polish();
   /// Sends a piece of what was asked for; called often, so that answers do not flood the network.
   void tick();
 
@@ -67,11 +75,15 @@ class EstimatorSession {
   /// Completes what was written with the present state in the journal, then sends it.
   void send();
   void resume();
+  void write_anchor();
+  Localize locator(const Scan& scan, const SensorInfo& sensor) const;
+  Keyframe keyframe(NodeId id, double spacing_m) const;
 
   Bus& bus_;
   GraphEstimator estimator_;
   Journal journal_;
   std::vector<Letter> letters_;
+  std::optional<Places> places_;
   estimator_state_t state_{};
   bool resumed_ = false;
   std::int64_t resumed_from_us_ = 0;

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/graph/relative_covariance.hpp"
 
@@ -16,7 +17,9 @@ constexpr std::size_t kMaxWaiting = 30;
 constexpr double kUrgentChi2 = 6.0;          // a loop that pulls harder than this is optimised at once
 constexpr double kUnseen = 1e-2;             // information filled in where a loop saw nothing: 10 m
 
-double position_sigma(const Eigen::Matrix3d& cov) { return std::sqrt(std::max(cov(0, 0), cov(1, 1))); }
+GraphEdge to_edge(const LoopProposal& loop) {
+  return {0, loop.from, loop.to, EdgeKind::kLoop, loop.T_from_to, loop.information};
+}
 
 /// Covariance of a loop's measurement, additive, frame of its old node.
 Eigen::Matrix3d loop_covariance(const LoopProposal& loop) {
@@ -28,45 +31,89 @@ Eigen::Matrix3d loop_covariance(const LoopProposal& loop) {
 
 }  // namespace
 
-GraphEstimator::Step GraphEstimator::move(const std::vector<MotionMeasurement>& measurements) {
-  bool is_new = false;
+GraphEstimator::Step GraphEstimator::move(const std::vector<MotionMeasurement>& measurements, const Localize& localize) {
+  Step step;
   if (graph_.poses.empty()) {
     graph_.poses.emplace_back();
     published_poses_.emplace_back();
-    is_new = true;
+    step.is_new_node = true;
   } else if (!measurements.empty()) {
     const Proposal proposal = fuse(measurements);
     const Pose2 T_from_to = config_.proposal == "sampled" ? sample(proposal, random_) : proposal.T_from_to;
-    cov_node_base_ = compose_covariance(T_node_base_, cov_node_base_, T_from_to, proposal.covariance);
-    T_node_base_ = T_node_base_ * T_from_to;
-    if (std::hypot(T_node_base_.x, T_node_base_.y) >= config_.node_m || std::abs(T_node_base_.heading) >= config_.node_rad) {
-      append_node();
-      is_new = true;
+    robot_.covariance = compose_covariance(robot_.T_node_base, robot_.covariance, T_from_to, proposal.covariance);
+    robot_.T_node_base = robot_.T_node_base * T_from_to;
+    T_step_base_ = T_step_base_ * T_from_to;
+    if (std::hypot(T_step_base_.x, T_step_base_.y) >= config_.node_m || std::abs(T_step_base_.heading) >= config_.node_rad) {
+      T_step_base_ = Pose2();
+      const Anchorage before = robot_;
+      step.is_new_node = !stay_in_known_space(localize);
+      if (step.is_new_node) append_node();
+      if (robot_.node != before.node || robot_.T_node_base.vector() != before.T_node_base.vector()) {
+        step.node_before = before.node;
+        step.T_before_base = before.T_node_base;
+      }
     }
   }
-  const auto newest = static_cast<NodeId>(graph_.poses.size()) - 1;
-  return {graph_.poses.back() * T_node_base_, cov_node_base_, newest, T_node_base_, is_new};
+  step.T_map_base = graph_.poses[static_cast<std::size_t>(robot_.node)] * robot_.T_node_base;
+  step.covariance = robot_.covariance;
+  step.node = robot_.node;
+  step.T_node_base = robot_.T_node_base;
+  return step;
 }
 
 void GraphEstimator::append_node() {
   GraphEdge edge;
   edge.id = next_edge_++;
-  edge.from = static_cast<NodeId>(graph_.poses.size()) - 1;
-  edge.to = edge.from + 1;
+  edge.from = robot_.node;
+  edge.to = static_cast<NodeId>(graph_.poses.size());
   edge.kind = EdgeKind::kSequence;
-  edge.T_from_to = T_node_base_;
+  edge.T_from_to = robot_.T_node_base;
   // A millimetre and a third of a milliradian is as good as any step is known.
   const Eigen::Matrix3d floor = Eigen::Vector3d(1e-6, 1e-6, 1e-7).asDiagonal();
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  R.topLeftCorner<2, 2>() = rotation(T_node_base_.heading);
-  edge.information = R.transpose() * (cov_node_base_ + floor).inverse() * R;
+  R.topLeftCorner<2, 2>() = rotation(robot_.T_node_base.heading);
+  edge.information = R.transpose() * (robot_.covariance + floor).inverse() * R;
   edge.information = 0.5 * (edge.information + edge.information.transpose()).eval();
-  graph_.poses.push_back(graph_.poses.back() * T_node_base_);
+  graph_.poses.push_back(graph_.poses[static_cast<std::size_t>(robot_.node)] * robot_.T_node_base);
   published_poses_.push_back(graph_.poses.back());
   graph_.edges.push_back(edge);
   changes_.added.push_back(edge);
-  T_node_base_ = Pose2();
-  cov_node_base_.setZero();
+  robot_ = {edge.to, {}, Eigen::Matrix3d::Zero()};
+}
+
+/// Where the place is full, hangs the robot on an old node. A scan that does not fit there makes a node after all, until the place holds twice
+/// as many; then the robot goes on from where it hangs.
+bool GraphEstimator::stay_in_known_space(const Localize& localize) {
+  if (config_.full_at == 0 || !localize) return false;
+  const Pose2 T_map_base = graph_.poses[static_cast<std::size_t>(robot_.node)] * robot_.T_node_base;
+  const std::vector<NodeId> known = nodes_in_reach(graph_.poses, T_map_base);
+  const auto most = static_cast<std::size_t>(config_.full_at);
+  if (known.size() < most) return false;
+  const Anchorage expected = seen_from(known.front());
+  const Localized answer = localize(known, expected);
+  const std::optional<AnchorFix>& fix = answer.fix;
+  const std::optional<Anchorage> place = fix ? combine(expected, *fix) : std::nullopt;
+  if (!place) return answer.shows_nothing_new || known.size() >= 2 * most;
+  const Anchorage came = std::exchange(robot_, *place);
+  ++reused_;
+  if (came.node == place->node) return true;
+  const GraphEdge edge = passing_edge(came, place->node, *fix);
+  if (is_news(edge)) accept(edge);
+  return true;
+}
+
+/// The robot relative to another node than the one that it hangs on.
+Anchorage GraphEstimator::seen_from(NodeId node) const {
+  if (node == robot_.node) return robot_;
+  const Pose2 T_node_hung = between(graph_.poses[static_cast<std::size_t>(node)], graph_.poses[static_cast<std::size_t>(robot_.node)]);
+  const Eigen::Matrix3d cov_hung = RelativeCovariance(graph_.poses, edges(), node, {robot_.node})[robot_.node];
+  return {node, T_node_hung * robot_.T_node_base, compose_covariance(T_node_hung, cov_hung, robot_.T_node_base, robot_.covariance)};
+}
+
+/// Whether an edge is clearly surer than what the graph knows of its ends already.
+bool GraphEstimator::is_news(const GraphEdge& edge) const {
+  const Eigen::Matrix3d known = RelativeCovariance(graph_.poses, edges(), edge.from, {edge.to})[edge.to];
+  return position_sigma(known) > 1.2 * position_sigma(edge_covariance_from(edge));
 }
 
 std::vector<const GraphEdge*> GraphEstimator::edges() const {
@@ -79,8 +126,8 @@ void GraphEstimator::resume(EstimatorMemory memory) {
   graph_ = std::move(memory.graph);
   published_poses_ = graph_.poses;
   next_edge_ = memory.next_edge;
-  T_node_base_ = memory.T_node_base;
-  cov_node_base_ = memory.cov_node_base;
+  robot_ = memory.robot;
+  T_step_base_ = memory.T_step_base;
   waiting_ = std::move(memory.waiting);
   while (waiting_.size() > kMaxWaiting) waiting_.pop_front();
   postponed_ = memory.postponed;
@@ -96,7 +143,7 @@ LoopFate GraphEstimator::add_loop(const LoopProposal& loop) {
     return LoopFate::kRefused;
   bool trusted = false;
   if (agrees_with_graph(loop, trusted) && trusted) {
-    accept(loop);
+    accept(to_edge(loop));
     return LoopFate::kAccepted;
   }
   std::vector<std::size_t> friends;
@@ -106,9 +153,9 @@ LoopFate GraphEstimator::add_loop(const LoopProposal& loop) {
         std::all_of(friends.begin(), friends.end(), [&](std::size_t f) { return consistent(waiting_[f], waiting_[k]); }))
       friends.push_back(k);
   if (static_cast<std::int64_t>(friends.size()) >= config_.confirmations) {
-    for (const std::size_t k : friends) accept(waiting_[k]);
+    for (const std::size_t k : friends) accept(to_edge(waiting_[k]));
     for (auto k = friends.rbegin(); k != friends.rend(); ++k) waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(*k));
-    accept(loop);
+    accept(to_edge(loop));
     return LoopFate::kAccepted;
   }
   waiting_.push_back(loop);
@@ -119,7 +166,7 @@ LoopFate GraphEstimator::add_loop(const LoopProposal& loop) {
 bool GraphEstimator::agrees_with_graph(const LoopProposal& loop, bool& trusted) const {
   const RelativeCovariance covariance(graph_.poses, edges(), loop.from, {loop.to});
   const Eigen::Matrix3d& cov_graph = covariance[loop.to];
-  trusted = position_sigma(cov_graph) < config_.trusted_sigma_m;
+  trusted = std::sqrt(std::max(cov_graph(0, 0), cov_graph(1, 1))) < config_.trusted_sigma_m;
   const Pose2 T_graph = between(graph_.poses[static_cast<std::size_t>(loop.from)], graph_.poses[static_cast<std::size_t>(loop.to)]);
   Eigen::Vector3d d = loop.T_from_to.vector() - T_graph.vector();
   d[2] = wrap_angle(d[2]);
@@ -144,14 +191,9 @@ bool GraphEstimator::consistent(const LoopProposal& a, const LoopProposal& b) co
   return d.dot((cov_left + cov_right + slack).ldlt().solve(d)) < kChi2_3dof_99;
 }
 
-void GraphEstimator::accept(const LoopProposal& loop) {
-  GraphEdge edge;
+/// Gives the edge its number.
+void GraphEstimator::accept(GraphEdge edge) {
   edge.id = next_edge_++;
-  edge.from = loop.from;
-  edge.to = loop.to;
-  edge.kind = EdgeKind::kLoop;
-  edge.T_from_to = loop.T_from_to;
-  edge.information = loop.information;
   graph_.edges.push_back(edge);
   changes_.added.push_back(edge);
   ++accepted_;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/config/visitor.hpp"
+#include "common/graph/known_space.hpp"
 #include "common/graph/pose_graph.hpp"
 #include "common/loops/loop_detector.hpp"
 #include "common/motion/proposal.hpp"
@@ -23,6 +24,7 @@ struct EstimatorConfig {
   std::int64_t seed = 1;
   double node_m = 0.30;
   double node_rad = 0.35;
+  std::int64_t full_at = 4;
   double trusted_sigma_m = 0.35;
   std::int64_t confirmations = 2;
   double dcs_phi = 10.0;
@@ -38,6 +40,7 @@ struct EstimatorConfig {
     v.integer("seed", seed, 0, 1'000'000'000, "", "Of the sampled proposal.");
     v.number("node_m", node_m, 0.05, 10, "m", "Way after which a scan becomes a node.");
     v.number("node_rad", node_rad, 0.05, 3.2, "rad", "Turn after which a scan becomes a node.");
+    v.integer("full_at", full_at, 0, 1000, "", "Nodes within 0.6 m and 0.75 rad after which a place gets no more of them; 0: it always does.");
     v.number("trusted_sigma_m", trusted_sigma_m, 0.01, 100, "m", "Loops between nodes known better than this need no confirmation.");
     v.integer("confirmations", confirmations, 0, 20, "", "Other loops that must agree with a far one before it is believed.");
     v.number("dcs_phi", dcs_phi, 0, 1e6, "", "Chi-square from which a loop edge loses weight; 0: never.");
@@ -63,8 +66,8 @@ struct GraphChanges {
 struct EstimatorMemory {
   PoseGraph graph;
   EdgeId next_edge = 0;
-  Pose2 T_node_base;                                        ///< since the newest node
-  Eigen::Matrix3d cov_node_base = Eigen::Matrix3d::Zero();  ///< of it
+  Anchorage robot;                                          ///< the node it hangs on, and its place relative to that one
+  Pose2 T_step_base;                                        ///< motion since it was last asked whether a node is due
   std::deque<LoopProposal> waiting;                         ///< for others that confirm them
   std::int64_t postponed = 0, epoch = 0, accepted = 0, retracted = 0;
 };
@@ -76,12 +79,15 @@ class GraphEstimator {
   struct Step {
     Pose2 T_map_base;
     Eigen::Matrix3d covariance;  ///< of T_node_base, additive, frame of the node
-    NodeId node;                 ///< newest
+    NodeId node = 0;             ///< that the robot hangs on
     Pose2 T_node_base;
-    bool is_new_node;
+    bool is_new_node = false;
+    NodeId node_before = -1;  ///< where this scan gave it a new place: the node that it hung on until then
+    Pose2 T_before_base;      ///< and its place by that one
   };
   /// One scan further. `measurements` speak of the motion since the last scan; empty for the first scan.
-  Step move(const std::vector<MotionMeasurement>& measurements);
+  /// @param localize asked before a place that is full would get another node; without it, it gets one.
+  Step move(const std::vector<MotionMeasurement>& measurements, const Localize& localize = {});
 
   LoopFate add_loop(const LoopProposal& proposal);
   /// Optimises what was postponed; `thoroughly` to convergence (end of a run).
@@ -100,10 +106,17 @@ class GraphEstimator {
   std::int64_t postponed() const { return postponed_; }
   std::int64_t accepted() const { return accepted_; }
   std::int64_t retracted() const { return retracted_; }
+  /// How often a scan was hung on an old node instead of making a new one.
+  std::int64_t reused() const { return reused_; }
+  const Anchorage& robot() const { return robot_; }
+  const Pose2& T_step_base() const { return T_step_base_; }
 
  private:
   void append_node();
-  void accept(const LoopProposal& loop);
+  bool stay_in_known_space(const Localize& localize);
+  Anchorage seen_from(NodeId node) const;
+  bool is_news(const GraphEdge& edge) const;
+  void accept(GraphEdge edge);
   bool agrees_with_graph(const LoopProposal& loop, bool& trusted) const;
   bool consistent(const LoopProposal& a, const LoopProposal& b) const;
   void optimize(bool thoroughly);
@@ -114,12 +127,12 @@ class GraphEstimator {
   std::mt19937_64 random_;
   PoseGraph graph_;
   EdgeId next_edge_ = 0;
-  Pose2 T_node_base_;
-  Eigen::Matrix3d cov_node_base_ = Eigen::Matrix3d::Zero();
+  Anchorage robot_;
+  Pose2 T_step_base_;
   std::deque<LoopProposal> waiting_;
   std::vector<Pose2> published_poses_;
   GraphChanges changes_;
-  std::int64_t postponed_ = 0, epoch_ = 0, accepted_ = 0, retracted_ = 0;
+  std::int64_t postponed_ = 0, epoch_ = 0, accepted_ = 0, retracted_ = 0, reused_ = 0;
 };
 
 }  // namespace modslam

@@ -15,23 +15,20 @@ double effort(const Pose2& T_node_before, const Pose2& T_node_after) {
 }
 
 /// Poses of one span: tracked[begin, end) all hang on one node.
+/// @param next the scan behind it when that one says where it hung on the same node, and its final pose.
 void place_span(const std::vector<TrackedPose>& tracked, std::size_t begin, std::size_t end,
-                const Pose2& T_map_node, const Pose2* T_map_next, const Pose2* T_node_next,
+                const Pose2& T_map_node, const TrackedPose* next, const Pose2& T_map_next,
                 std::vector<Pose2>& path) {
   std::vector<double> spent;
   double total = 0;
-  Pose2 before;
   for (std::size_t i = begin; i < end; ++i) {
-    // The scan that made the node stands at the node itself.
-    const bool at_node = i == begin && distance(before, tracked[i].T_node_base) < 1e-9;
-    if (!at_node) total += effort(before, tracked[i].T_node_base);
+    if (i > begin) total += effort(tracked[i - 1].T_node_base, tracked[i].T_node_base);
     spent.push_back(total);
-    before = tracked[i].T_node_base;
   }
   Pose2 correction;
-  if (T_map_next && T_node_next) {
-    correction = T_node_next->inverse() * between(T_map_node, *T_map_next);
-    total += effort(before, *T_node_next);
+  if (next) {
+    correction = between(T_map_node * next->T_before_base, T_map_next);
+    total += effort(tracked[end - 1].T_node_base, next->T_before_base);
   }
   for (std::size_t i = begin; i < end; ++i) {
     const double share = total > 0 ? spent[i - begin] / total : 0;
@@ -39,26 +36,25 @@ void place_span(const std::vector<TrackedPose>& tracked, std::size_t begin, std:
   }
 }
 
-template <class Map>
-const typename Map::mapped_type* find(const Map& map, const typename Map::key_type& key) {
-  const auto found = map.find(key);
-  return found == map.end() ? nullptr : &found->second;
-}
-
 }  // namespace
 
 std::vector<Pose2> final_path(const std::vector<TrackedPose>& tracked,
-                              const std::map<NodeId, Pose2>& T_map_node,
-                              const std::map<NodeId, Pose2>& T_from_next) {
+                              const std::map<NodeId, Pose2>& T_map_node) {
   std::vector<Pose2> path(tracked.size());
   for (std::size_t begin = 0, end; begin < tracked.size(); begin = end) {
     const NodeId node = tracked[begin].node;
-    for (end = begin + 1; end < tracked.size() && tracked[end].node == node;) ++end;
-    if (const Pose2* pose = find(T_map_node, node))
-      place_span(tracked, begin, end, *pose, find(T_map_node, node + 1), find(T_from_next, node),
-                 path);
-    else
+    for (end = begin + 1; end < tracked.size() && tracked[end].node == node && tracked[end].node_before < 0;) ++end;
+    const auto pose = T_map_node.find(node);
+    if (pose == T_map_node.end()) {
       for (std::size_t i = begin; i < end; ++i) path[i] = tracked[i].T_map_base;
+      continue;
+    }
+    const TrackedPose* next = end < tracked.size() && tracked[end].node_before == node ? &tracked[end] : nullptr;
+    const auto pose_next = next ? T_map_node.find(next->node) : T_map_node.end();
+    if (pose_next == T_map_node.end())
+      place_span(tracked, begin, end, pose->second, nullptr, {}, path);
+    else
+      place_span(tracked, begin, end, pose->second, next, pose_next->second * next->T_node_base, path);
   }
   return path;
 }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file The path of every scan, from the path of the graph's nodes.
 ///
-/// While the robot drives, a scan's pose is kept relative to the newest node: T_map_base =
-/// T_map_node * T_node_base. Nodes move later. Between node k and node k+1 lies a difference
-/// between how far the robot thought it went (T_k_next) and where the two nodes stand in the end;
-/// hung on node k alone, the path would jump at each node. So the difference C = T_k_next^-1 *
-/// (T_map_k^-1 * T_map_next) is spread over the scans between them, in proportion to the travel:
-/// T_map_base = T_map_k * T_node_base * C^share, share 0 at node k and 1 at node k+1.
+/// While the robot drives, a scan's pose is kept relative to a node: T_map_base = T_map_node *
+/// T_node_base. Now and then a scan gets a new place: it becomes a node itself or is found among old
+/// ones. Between where it hung before (T_before_base) and its new place lies a difference, because it
+/// was found and because nodes move later; the path would jump there. So the difference C =
+/// (T_map_before * T_before_base)^-1 * T_map_base is spread over the scans since the last new place,
+/// in proportion to the travel: T_map_base = T_map_node * T_node_base * C^share, share 0 at that
+/// place and 1 at the new one.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -19,18 +20,17 @@ namespace modslam {
 /// A scan's pose as it was estimated when it came.
 struct TrackedPose {
   std::int64_t utime = 0;
-  NodeId node = -1;  ///< newest node at that time; -1: none yet
+  NodeId node = -1;  ///< that it hangs on; -1: none yet
   Pose2 T_node_base;
-  Pose2 T_map_base;  ///< used where the node is not known
+  Pose2 T_map_base;         ///< used where the node is not known
+  NodeId node_before = -1;  ///< of a scan with a new place: the node that it hung on before
+  Pose2 T_before_base;
 };
 
 /// One pose T_map_base for each of `tracked`, in their order.
 /// @param T_map_node  where the nodes are in the end.
-/// @param T_from_next the measured motion from a node to the node after it (its sequence edge);
-/// nodes without one get no spreading.
 std::vector<Pose2> final_path(const std::vector<TrackedPose>& tracked,
-                              const std::map<NodeId, Pose2>& T_map_node,
-                              const std::map<NodeId, Pose2>& T_from_next);
+                              const std::map<NodeId, Pose2>& T_map_node);
 
 /// Finds for each scan the pose that was estimated for it: both in file order, stamps may repeat or
 /// step back.

@@ -1,37 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/loops/loop_detector.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "common/graph/relative_covariance.hpp"
+#include "common/loops/place_match.hpp"
 
 namespace modslam {
 namespace {
 
 constexpr double kPointSpacing_m = 0.04;
-constexpr double kBlur_m = 0.08;
-constexpr std::size_t kSearchPoints = 100, kBeams = 60;
-constexpr double kMaxWindow_m = 7.0, kMaxWindow_rad = 0.7;
-constexpr double kMaxFreeViolation = 0.25;
+constexpr std::size_t kBeams = 60;
 constexpr double kSigmas = 3.0;
-constexpr double kWellKnown_m = 0.10, kFullOverlap = 0.75;
-constexpr double kExpectedInnovation = 11.34;  // chi2, 3 degrees of freedom, 99 %
-constexpr double kMaxSigma_m = 0.03;
-constexpr double kMinShare = 0.02;  // of information: niches of a corridor look alike, and a few of their points fix nothing
 
 std::vector<Eigen::Vector2d> thin_out(const std::vector<OrientedPoint>& points, std::size_t most) {
   std::vector<Eigen::Vector2d> chosen;
   const std::size_t step = std::max<std::size_t>(1, points.size() / most);
   for (std::size_t i = 0; i < points.size(); i += step) chosen.push_back(points[i].p);
   return chosen;
-}
-
-double position_sigma(const Eigen::Matrix3d& cov) {
-  const double half_trace = 0.5 * (cov(0, 0) + cov(1, 1)), spread = std::hypot(0.5 * (cov(0, 0) - cov(1, 1)), cov(0, 1));
-  return std::sqrt(std::max(0.0, half_trace + spread));
 }
 
 }  // namespace
@@ -151,62 +138,11 @@ LoopProposal LoopDetector::match(const std::vector<Candidate>& pass) const {
     affected.push_back(&nodes_[static_cast<std::size_t>(candidate.id)]);
     proposal.affected.push_back(candidate.id);
   }
-  const Keyframe& now = nodes_.back();
-  const Eigen::Matrix3d& cov = pass.front().cov;
-  SearchWindow window;
-  window.half_m = std::clamp(kSigmas * position_sigma(cov) + 0.2, 0.3, kMaxWindow_m);
-  window.half_rad = std::clamp(kSigmas * std::sqrt(cov(2, 2)) + 0.05, 0.1, kMaxWindow_rad);
-  window.prior_sigma_m = position_sigma(cov) + 0.05;
-  window.prior_sigma_rad = std::sqrt(cov(2, 2)) + 0.02;
-  window.prior_weight = 0.01;
-  Submap map;
-  map.build(affected, kBlur_m, window.half_m);
-  RefineOptions options;
-  options.gate_start_m = 0.3;
-  const auto innovation = [&](const RefineResult& fit) {
-    const Eigen::Vector3d d = between(now.T_map_base, fit.T_map_base).vector();
-    const Eigen::Matrix3d slack = Eigen::Vector3d(4e-4, 4e-4, 1e-4).asDiagonal();
-    return d.dot((cov + slack).ldlt().solve(d));
-  };
-  // Where the graph knows the way well and nearly all of the scan fits there, no other place is in question.
-  MatchFigures& f = proposal.figures;
-  RefineResult fit;
-  const bool is_well_known = position_sigma(cov) < kWellKnown_m;
-  if (is_well_known) fit = refine(now.points_base, map, now.T_map_base, options);
-  f.score = fit.overlap;
-  if (!is_well_known || !fit.converged || fit.overlap < kFullOverlap || innovation(fit) > kExpectedInnovation) {
-    const SearchResult coarse =
-        map.score_grid().search(thin_out(now.points_base, kSearchPoints), now.T_map_base, window, config_.max_ambiguity - 0.02);
-    fit = refine(now.points_base, map, coarse.T_map_base, options);
-    f.score = coarse.score;
-    f.ambiguity = coarse.score > 0 ? coarse.second_score / coarse.score : 1.0;
-  }
-  const Observed observed = observed_information(fit, kMaxSigma_m, kMinShare);
-
-  f.overlap = fit.overlap;
-  f.chi2 = fit.chi2;
-  f.points = fit.pairs;
-  f.iterations = fit.iterations;
-  f.degenerate_rad = observed.degenerate_rad;
-  const PointMover to_map(fit.T_map_base);
-  const Eigen::Vector2d eye = to_map * now.eye_base;
-  int tested = 0, blocked = 0;
-  for (std::size_t i = 0; i < now.points_base.size(); i += 5, ++tested)
-    blocked += map.is_blocked(eye, to_map * now.points_base[i].p, 0.3);
-  f.free_violation = tested ? static_cast<double>(blocked) / tested : 0.0;
-  f.innovation = innovation(fit);
-
-  proposal.verdict = observed.degenerate ? Verdict::kDegenerate : Verdict::kOk;
-  if (f.points < 20 || !fit.converged) proposal.verdict = Verdict::kFailed;
-  else if (f.overlap < config_.min_overlap) proposal.verdict = Verdict::kLowOverlap;
-  else if (f.chi2 > config_.max_chi2 || f.free_violation > kMaxFreeViolation) proposal.verdict = Verdict::kInconsistent;
-  else if (f.ambiguity > config_.max_ambiguity) proposal.verdict = Verdict::kAmbiguous;
-
-  const Pose2& T_map_from = nodes_[static_cast<std::size_t>(proposal.from)].T_map_base;
-  proposal.T_from_to = between(T_map_from, fit.T_map_base);
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  R.topLeftCorner<2, 2>() = rotation(fit.T_map_base.heading);
-  proposal.information = config_.information_scale * R.transpose() * observed.information * R;
+  const PlaceMatch match = match_place(nodes_.back(), affected, pass.front().cov, config_.limits());
+  proposal.verdict = match.verdict;
+  proposal.figures = match.figures;
+  proposal.T_from_to = between(nodes_[static_cast<std::size_t>(proposal.from)].T_map_base, match.T_map_base);
+  proposal.information = match.information;
   return proposal;
 }
 

@@ -12,9 +12,8 @@
 
 #include "common/config/visitor.hpp"
 #include "common/graph/types.hpp"
+#include "common/loops/place_match.hpp"
 #include "common/loops/quad_tree.hpp"
-#include "common/matching/submap.hpp"
-#include "common/matching/verdict.hpp"
 
 namespace modslam {
 
@@ -31,6 +30,7 @@ struct LoopDetectorConfig {
   double max_chi2 = 12.0;
   double max_ambiguity = 0.92;
   double information_scale = 0.10;
+  PlaceLimits limits() const { return {min_overlap, max_chi2, max_ambiguity, information_scale}; }
 
   void visit(ConfigVisitor& v) {
     v.number("delay_m", delay_m, 0.5, 500, "m", "A node can be recognised after the robot drove this much further.");

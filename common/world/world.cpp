@@ -259,4 +259,15 @@ const Route& route_of(const World& world, const std::string& id) {
                               "\"; there are: " + (known.empty() ? "none" : known));
 }
 
+Route to_and_fro(Route route, std::int64_t laps) {
+  const std::vector<Eigen::Vector2d> there = route.points;
+  for (std::int64_t lap = 1; lap < laps; ++lap) {
+    if (lap % 2 == 1)
+      route.points.insert(route.points.end(), there.rbegin() + 1, there.rend());
+    else
+      route.points.insert(route.points.end(), there.begin() + 1, there.end());
+  }
+  return route;
+}
+
 }  // namespace modslam

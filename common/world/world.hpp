@@ -86,4 +86,7 @@ World load_world(const std::string& path);
 /// The route called `id`. @throws std::invalid_argument listing the routes there are.
 const Route& route_of(const World& world, const std::string& id);
 
+/// The route driven `laps` times: there, back, there again.
+Route to_and_fro(Route route, std::int64_t laps);
+
 }  // namespace modslam

@@ -14,6 +14,7 @@ struct SimulatorConfig {
   static constexpr const char* kTable = "simulator";
   std::string world = "config/worlds/apartment.geojson";
   std::string route = "demo";
+  std::int64_t laps = 1;
   std::int64_t seed = 1;
   bool people = false;
   double speed = 1;
@@ -22,6 +23,7 @@ struct SimulatorConfig {
   void visit(ConfigVisitor& v) {
     v.text("world", world, "World file (GeoJSON).");
     v.text("route", route, "Id of the route that is driven.");
+    v.integer("laps", laps, 1, 10'000, "", "How often it is driven: there, back, there again.");
     v.integer("seed", seed, 0, 1'000'000'000, "",
               "Start of every random stream: another seed, other noise.");
     v.flag("people", people,

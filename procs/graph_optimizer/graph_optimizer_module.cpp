@@ -30,8 +30,8 @@ class GraphOptimizerModule : public Module {
  public:
   GraphOptimizerModule(Bus& bus, const SystemConfig& config)
       : bus_(bus), model_(config.odometry_model), lockstep_(config.launch.lockstep), session_(bus, config.graph_optimizer, config.journal),
-        polish_(config.graph_optimizer.polish), sigma_range_m_(config.scan_matcher.sigma_range_m),
-        range_limit_m_(config.scan_matcher.range_limit_m) {
+        polish_(config.graph_optimizer.polish) {
+    session_.compare_scans({{config.scan_matcher.sigma_range_m, 1e-3}, config.scan_matcher.range_limit_m, config.loop_detector.limits()});
     if (session_.resumed()) resume();
     bus.subscribe<sensor_info_t>(channel::kSensorInfo, [this](const sensor_info_t& m) {
       if (m.sensor == channel::kLaser) sensor_ = to_sensor_info(m);
@@ -57,7 +57,7 @@ class GraphOptimizerModule : public Module {
     lockstep_ = patient_ = false;
     work();
     session_.finish();
-    if (polish_) session_.polish({sigma_range_m_, 1e-3}, range_limit_m_);
+    if (polish_) session_.polish();
   }
   void tick(std::int64_t steady_us) override {
     session_.tick();
@@ -233,7 +233,6 @@ class GraphOptimizerModule : public Module {
   std::int64_t blocked_since_us_ = 0;
   EstimatorSession session_;
   bool polish_;
-  double sigma_range_m_, range_limit_m_;
   SensorInfo sensor_;
   OdometryBuffer odometry_, ins_;
   std::deque<WaitingScan> scans_;

@@ -94,14 +94,6 @@ std::map<NodeId, Pose2> GraphRecord::poses() const {
   return poses;
 }
 
-std::map<NodeId, Pose2> GraphRecord::steps() const {
-  std::map<NodeId, Pose2> steps;
-  for (const auto& [id, edge] : edges_)
-    if (edge.kind == EdgeKind::kSequence && edge.to == edge.from + 1)
-      steps[edge.from] = edge.T_from_to;
-  return steps;
-}
-
 std::int64_t GraphRecord::missing_nodes() const {
   const std::int64_t last = node_utimes_.empty() ? 0 : node_utimes_.rbegin()->first + 1;
   return std::max(announced_nodes_, last) - static_cast<std::int64_t>(node_utimes_.size());

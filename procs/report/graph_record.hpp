@@ -25,8 +25,6 @@ class GraphRecord {
 
   /// Where the nodes are in the end.
   std::map<NodeId, Pose2> poses() const;
-  /// Measured motion from each node to the next, of the sequence edges.
-  std::map<NodeId, Pose2> steps() const;
   const std::map<EdgeId, GraphEdge>& edges() const { return edges_; }
   const std::map<NodeId, std::int64_t>& node_utimes() const { return node_utimes_; }
   const SensorInfo* sensor() const { return node_utimes_.empty() ? nullptr : &sensor_; }

@@ -22,7 +22,7 @@ void measure_time(const RunRecord& run, Results& out) {
 
 void assemble_path(const RunRecord& run, Results& out) {
   out.nodes = run.graph.poses();
-  const std::vector<Pose2> poses = final_path(run.poses, out.nodes, run.graph.steps());
+  const std::vector<Pose2> poses = final_path(run.poses, out.nodes);
   std::vector<std::int64_t> pose_utimes;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     pose_utimes.push_back(run.poses[i].utime);

@@ -34,7 +34,7 @@ MapTile to_tile(const map_tile_t& message) {
 
 TrackedPose to_tracked(const pose_estimate_t& message) {
   return {message.utime, message.node_id, to_pose(message.T_node_base),
-          to_pose(message.T_map_base)};
+          to_pose(message.T_map_base), message.node_before, to_pose(message.T_before_base)};
 }
 
 PathPose to_stamped(const bot_core::pose_t& message) {
@@ -73,7 +73,7 @@ class Readers {
     on<graph_node_t>(channel::kNode, [&](const auto& m) {
       if (!run.graph.take(m)) return;
       // The nodes that the poses so far hang on are gone: they stay where they were.
-      for (TrackedPose& pose : run.poses) pose.node = -1;
+      for (TrackedPose& pose : run.poses) pose.node = pose.node_before = -1;
     });
     on<graph_update_t>(channel::kGraph, [&](const auto& m) { run.graph.take(m); });
     on<loop_closure_t>(channel::kLoop, [&](const auto& m) {

@@ -29,7 +29,7 @@ class SimulatorModule : public Module {
         config_(config.simulator),
         noise_(config.odometry.noise),
         world_(load_world(config_.world)),
-        simulation_(world_, route_of(world_, config_.route), config_.people),
+        simulation_(world_, to_and_fro(route_of(world_, config_.route), config_.laps), config_.people),
         truth_period_(kTruthRate_hz, WorldSimulation::kSteps_per_s),
         info_period_(kInfoRate_hz, WorldSimulation::kSteps_per_s),
         info_(describe()),

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <modslam/command_t.hpp>
 #include <modslam/door_list_t.hpp>
+#include <modslam/estimator_anchor_t.hpp>
 #include <modslam/estimator_state_t.hpp>
 #include <modslam/graph_node_t.hpp>
 #include <modslam/graph_update_t.hpp>
@@ -91,7 +92,7 @@ Type type() {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const Type kTypes[] = {
       type<bot_core::planar_lidar_t>(), type<bot_core::pose_t>(),    type<command_t>(),         type<door_list_t>(),
-      type<estimator_state_t>(),        type<graph_node_t>(),        type<graph_update_t>(),    type<loop_closure_t>(),
+      type<estimator_anchor_t>(),       type<estimator_state_t>(),        type<graph_node_t>(),        type<graph_update_t>(),    type<loop_closure_t>(),
       type<loop_search_t>(),            type<map_tile_t>(),          type<matcher_state_t>(),   type<object_list_t>(),
       type<parameters_t>(),             type<pose_estimate_t>(),     type<process_status_t>(),  type<room_list_t>(),
       type<scan_match_t>(),             type<sensor_info_t>(),       type<sim_info_t>(),        type<sim_state_t>(),

@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <modslam/graph_node_t.hpp>
+#include <modslam/graph_update_t.hpp>
 #include <modslam/loop_closure_t.hpp>
 #include <modslam/map_tile_t.hpp>
 #include <modslam/pose_estimate_t.hpp>
@@ -65,6 +66,38 @@ TEST_CASE("scan_matcher answers every scan once, numbered, with a verdict") {
     REQUIRE(matches[k].track == matches[0].track);
     REQUIRE_THAT(to_pose(matches[k].T_from_to), IsNear({0.1, 0, 2 * kPi / 63}, 0.012, 0.006));
   }
+}
+
+TEST_CASE("twelve rounds of the same room make no more nodes, edges or errors than four") {
+  Stage stage;
+  for (const auto& [name, make] : {std::pair{"scan_matcher", make_scan_matcher}, {"graph_optimizer", make_graph_optimizer}, {"loop_detector", make_loop_detector}})
+    stage.host(name, make);
+  const auto& poses = stage.record<pose_estimate_t>(channel::kPose);
+  const auto& nodes = stage.record<graph_node_t>(channel::kNode);
+  const auto& updates = stage.record<graph_update_t>(channel::kGraph);
+  Robot robot(stage);
+  const auto edges = [&] {
+    std::size_t count = 0;
+    for (const graph_update_t& update : updates)
+      if (!update.snapshot) count += update.edges.size();
+    return count;
+  };
+  std::size_t nodes_at_four = 0, edges_at_four = 0;
+  std::vector<double> worst_m;  // of each round
+  for (int round = 0; round < 12; ++round) {
+    worst_m.push_back(0);
+    for (int k = 0; k < 63; ++k) {
+      robot.step();
+      worst_m.back() = std::max(worst_m.back(), distance(Pose2(0, -1, 0) * to_pose(poses.back().T_map_base), robot.T_map_base));
+    }
+    if (round == 3) nodes_at_four = nodes.size(), edges_at_four = edges();
+  }
+  INFO(nodes_at_four << " nodes, " << edges_at_four << " edges after four rounds, " << nodes.size() << ", " << edges() << " after twelve");
+  CHECK(nodes_at_four > 15);
+  CHECK(nodes.size() <= nodes_at_four + 2);
+  CHECK(edges() <= edges_at_four + 6);
+  CHECK(poses.size() == 12 * 63);
+  CHECK(*std::max_element(worst_m.begin() + 4, worst_m.end()) < std::max(0.03, worst_m[0] + 0.01));
 }
 
 TEST_CASE("the chain of matcher, estimator and loop detector knows where it is after two rounds") {

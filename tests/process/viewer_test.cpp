@@ -211,7 +211,7 @@ TEST_CASE("the past holds the rooms of then, and is not for pages of others") {
   const auto publish = [&](std::int64_t utime, double area_m2) {
     pose_estimate_t pose{};
     pose.utime = utime;
-    pose.node_id = -1;
+    pose.node_id = pose.node_before = -1;
     f.world.publish(channel::kPose, pose);
     room_list_t list{};
     list.version = utime;

@@ -322,6 +322,7 @@ class Estimator {
     pose.verdict = seq_ == 0 ? scan_match_t::FIRST : scan_match_t::OK;
     pose.node_id = static_cast<std::int64_t>(nodes.size()) - 1;
     put(pose.T_node_base, between(nodes.back(), T_map_base_));
+    pose.node_before = -1;
     log_.write(utime, channel::kPose, pose);
   }
 

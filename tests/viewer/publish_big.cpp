@@ -59,6 +59,7 @@ class BigBuilding {
     m.covariance[8] = 1e-5;
     m.verdict = scan_match_t::OK;
     m.node_id = nodes_ - 1;
+    m.node_before = -1;
     bus_.publish(channel::kPose, m);
     if (steps_ % (5 * kScans_hz) == 0) move_nodes();
   }

@@ -146,6 +146,7 @@ class Player {
     m.covariance[8] = 0.0004;
     m.verdict = scan_match_t::OK;
     m.node_id = static_cast<std::int64_t>(nodes_.size()) - 1;
+    m.node_before = -1;
     bus_.publish(channel::kPose, m);
   }
 

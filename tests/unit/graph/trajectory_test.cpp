@@ -8,9 +8,9 @@ using namespace modslam;
 TEST_CASE("what two nodes moved apart is handed out over the scans between them") {
   // Thought: 1 m from node 0 to node 1. In the end they stand 1.2 m apart.
   std::vector<TrackedPose> tracked;
-  for (int i = 0; i < 10; ++i) tracked.push_back({i, 0, {0.1 * i, 0, 0}, {}});
-  tracked.push_back({10, 1, {}, {}});
-  const auto path = final_path(tracked, {{0, {0, 0, 0}}, {1, {1.2, 0, 0}}}, {{0, {1, 0, 0}}});
+  for (int i = 0; i < 10; ++i) tracked.push_back({i, 0, {0.1 * i, 0, 0}, {}, -1, {}});
+  tracked.push_back({10, 1, {}, {}, 0, {1, 0, 0}});
+  const auto path = final_path(tracked, {{0, {0, 0, 0}}, {1, {1.2, 0, 0}}});
   for (int i = 0; i <= 10; ++i) REQUIRE_THAT(path[i], IsNear({0.12 * i, 0, 0}, 1e-6, 1e-12));
 }
 
@@ -18,22 +18,23 @@ TEST_CASE("the final path has no jump where the node changes, however the nodes 
   std::mt19937_64 random(52);
   std::uniform_real_distribution<double> small(-1, 1);
   std::vector<TrackedPose> tracked;
-  std::map<NodeId, Pose2> T_map_node, T_from_next;
+  std::map<NodeId, Pose2> T_map_node;
   Pose2 T_map_base, T_node_base, moved;
   for (int i = 0; i < 400; ++i) {
-    if (i % 20 == 0) {
-      if (i > 0) T_from_next[i / 20 - 1] = T_node_base;
+    const bool is_node = i % 20 == 0;
+    const Pose2 T_before_base = T_node_base;
+    if (is_node) {
       T_node_base = {};
       moved = Pose2(moved.vector() +
                     0.02 * Eigen::Vector3d(small(random), small(random), small(random)));
       T_map_node[i / 20] = moved * T_map_base;
     }
-    tracked.push_back({i, i / 20, T_node_base, T_map_base});
+    tracked.push_back({i, i / 20, T_node_base, T_map_base, is_node ? i / 20 - 1 : -1, T_before_base});
     const Pose2 step(0.05, 0, 0.05 * small(random));
     T_map_base = T_map_base * step;
     T_node_base = T_node_base * step;
   }
-  const auto path = final_path(tracked, T_map_node, T_from_next);
+  const auto path = final_path(tracked, T_map_node);
   const auto hung = [&](int i) { return T_map_node[tracked[i].node] * tracked[i].T_node_base; };
   double jump = 0, hung_jump = 0;  // how much longer than a step the longest one is
   for (int i = 1; i < 400; ++i) {
@@ -46,13 +47,13 @@ TEST_CASE("the final path has no jump where the node changes, however the nodes 
 
 TEST_CASE("a robot that stands still, or whose node is unknown, gets a pose all the same") {
   const std::vector<TrackedPose> tracked = {
-      {0, -1, {}, {5, 6, 1}}, {1, 0, {}, {}}, {2, 0, {}, {}}, {3, 9, {1, 0, 0}, {7, 8, 2}}};
-  const auto path = final_path(tracked, {{0, {1, 2, 0.5}}, {1, {1, 2, 0.5}}}, {{0, {}}});
+      {0, -1, {}, {5, 6, 1}, -1, {}}, {1, 0, {}, {}, -1, {}}, {2, 0, {}, {}, -1, {}}, {3, 9, {1, 0, 0}, {7, 8, 2}, -1, {}}};
+  const auto path = final_path(tracked, {{0, {1, 2, 0.5}}, {1, {1, 2, 0.5}}});
   REQUIRE_THAT(path[0], IsNear({5, 6, 1}, 1e-12, 1e-12));
   REQUIRE_THAT(path[1], IsNear({1, 2, 0.5}, 1e-12, 1e-12));
   REQUIRE_THAT(path[2], IsNear({1, 2, 0.5}, 1e-12, 1e-12));
   REQUIRE_THAT(path[3], IsNear({7, 8, 2}, 1e-12, 1e-12));
-  REQUIRE(final_path({}, {}, {}).empty());
+  REQUIRE(final_path({}, {}).empty());
 }
 
 TEST_CASE("poses find their scans in order, though stamps repeat, step back or are missing") {
