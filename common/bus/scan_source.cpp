@@ -3,6 +3,7 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/conversions.hpp"
+#include "common/scan/deskew.hpp"
 
 namespace modslam {
 namespace {
@@ -52,8 +53,10 @@ void ScanSource::hand_on_ready() {
 }
 
 void ScanSource::hand_on(const Pose2& T_odom_base) {
-  const Scan scan = std::move(waiting_.front());
+  Scan scan = std::move(waiting_.front());
   waiting_.pop_front();
+  if (sensor_.sweep_s > 0)
+    if (const auto T_last_first = odometry_.during(scan.utime, sensor_.sweep_s)) scan = deskew(scan, sensor_, *T_last_first);
   ++scans_;
   on_scan_(scan, T_odom_base);
 }

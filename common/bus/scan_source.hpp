@@ -2,7 +2,7 @@
 /// @file Pairs every scan with the odometry of its own time, in order of arrival, and keeps the sensor's mount.
 ///
 /// A scan waits until odometry covers its stamp; when odometry stays away (more than kPatience_us of newer scans, or more than kMaxWaiting
-/// scans) it is handed on with the newest pose there is, and counted.
+/// scans) it is handed on with the newest pose there is, and counted. A sweep that took its time is handed on as seen at once (common/scan/deskew.hpp).
 #pragma once
 #include <bot_core/planar_lidar_t.hpp>
 #include <bot_core/pose_t.hpp>

@@ -81,6 +81,7 @@ SensorInfo sensor_of(const Recording& recording, const Pose2& T_base_laser,
   SensorInfo sensor;
   sensor.T_base_laser = T_base_laser;
   sensor.range_min_m = 0.02;
+  sensor.sweep_s = recording.sweep_s;
   sensor.no_return_is_free =
       false;  // a foreign log does not say whether nothing was there or nothing came back
   float longest_m = 0;

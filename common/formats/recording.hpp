@@ -20,6 +20,7 @@ struct RecordedScan {
 struct Recording {
   std::vector<RecordedScan> scans;    ///< in file order; stamps may step back
   std::optional<Pose2> T_base_laser;  ///< mount as the file's header or objects state it
+  double sweep_s = 0;                 ///< from the first to the last beam of a sweep, where it is known
   double range_limit_m = 0;           ///< what the file states as the laser's reach; 0: nothing
   std::int64_t other_entries =
       0;  ///< well-formed but of no use here: parameters, comments, other sensors

@@ -9,6 +9,7 @@ namespace {
 constexpr double kWheelRadius_m = 0.077, kHalfAxle_m = 0.165, kTicksPerTurn = 2000;
 constexpr double kLaserAhead_m = 0.145;
 constexpr double kRadstep = 2 * kPi / 1024;  // of a URG-04LX
+constexpr double kTurn_s = 0.1;              // of its mirror
 constexpr int kOtherSensors = 20;
 constexpr std::size_t kFewestBeams = 600, kMostBeams = 768;
 constexpr double kMillimetre = 0.001;
@@ -43,6 +44,7 @@ void TickLog::read(TextFields& fields, Recording& recording) {
   last_ = Ticks{left, right};
   recorded.T_odom_base = T_odom_base_;
   recording.T_base_laser = Pose2(kLaserAhead_m, 0, 0);
+  recording.sweep_s = kTurn_s * kRadstep * static_cast<double>(beams - 1) / (2 * kPi);
   recording.negative_ranges += negative;
   recording.scans.push_back(std::move(recorded));
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/motion/odometry_buffer.hpp"
 
+#include <cmath>
+
 namespace modslam {
 
 void OdometryBuffer::add(std::int64_t utime, const Pose2& T_odom_base) {
@@ -26,6 +28,12 @@ std::optional<Pose2> OdometryBuffer::at(std::int64_t utime) const {
 std::optional<Pose2> OdometryBuffer::newest() const {
   if (entries_.empty()) return std::nullopt;
   return entries_.back().pose;
+}
+
+std::optional<Pose2> OdometryBuffer::during(std::int64_t utime, double sweep_s) const {
+  const std::optional<Pose2> last = at(utime), first = at(utime - std::llround(sweep_s * 1e6));
+  if (!last || !first) return std::nullopt;
+  return between(*last, *first);
 }
 
 }  // namespace modslam

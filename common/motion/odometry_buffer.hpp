@@ -17,6 +17,8 @@ class OdometryBuffer {
   void add(std::int64_t utime, const Pose2& T_odom_base);
   /// Interpolated pose at `utime`; nothing when the buffer does not reach that far (yet).
   std::optional<Pose2> at(std::int64_t utime) const;
+  /// Where the robot was at the first beam of a sweep that ended at `utime`, seen from where it was then; nothing when either is not known.
+  std::optional<Pose2> during(std::int64_t utime, double sweep_s) const;
   /// The last pose that came in, whatever its time.
   std::optional<Pose2> newest() const;
   std::int64_t newest_utime() const { return entries_.empty() ? 0 : entries_.back().utime; }

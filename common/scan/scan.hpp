@@ -15,7 +15,7 @@ struct SensorInfo {
   double range_min_m = 0.05;       ///< shorter values are missing returns
   double range_max_m = 80.0;       ///< values at or above it are missing returns
   bool no_return_is_free = false;  ///< true: a missing return means free space up to range_max_m
-  double sweep_s = 0.0;            ///< from the first to the last beam; 0 = at once
+  double sweep_s = 0.0;            ///< from the first to the last beam, whose time is the scan's utime; 0 = at once
 };
 
 /// One sweep. Beam i points to rad0 + i * radstep in the laser frame.

@@ -17,6 +17,7 @@
 #include "common/bus/scan_source.hpp"
 #include "common/bus/system_config.hpp"
 #include "common/motion/odometry_buffer.hpp"
+#include "common/scan/deskew.hpp"
 
 namespace modslam {
 namespace {
@@ -216,6 +217,8 @@ class GraphOptimizerModule : public Module {
       if (scans_[k].scan.utime != utime) continue;
       WaitingScan waiting = std::move(scans_[k]);
       scans_.erase(scans_.begin(), scans_.begin() + static_cast<std::ptrdiff_t>(k) + 1);
+      if (sensor_.sweep_s > 0)
+        if (const auto T_last_first = odometry_.during(utime, sensor_.sweep_s)) waiting.scan = deskew(waiting.scan, sensor_, *T_last_first);
       return waiting;
     }
     bus_.count_gap(channel::kLaser, 1);

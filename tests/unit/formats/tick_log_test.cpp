@@ -29,6 +29,8 @@ TEST_CASE("wheel ticks add up: a turn of both wheels drives ahead, opposite turn
   CHECK(r.scans[2].scan.utime == 1'200'000);
   REQUIRE(r.T_base_laser.has_value());
   CHECK(r.T_base_laser->x == Approx(0.145));
+  CHECK(r.sweep_s == Approx(0.0665).margin(0.0002));  // 240 of 360 degrees at ten turns a second
+  CHECK(sensor_of(r, *r.T_base_laser, std::nullopt).sweep_s == r.sweep_s);
 }
 
 TEST_CASE("ranges are millimetres from right to left over 240 degrees, 0 is a missing return", "[formats]") {
