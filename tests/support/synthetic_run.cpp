@@ -16,8 +16,8 @@
 #include <modslam/room_list_t.hpp>
 #include <modslam/scan_match_t.hpp>
 #include <modslam/sim_info_t.hpp>
-#include <utility>
 #include <modslam/wall_list_t.hpp>
+#include <utility>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/conversions.hpp"
@@ -326,7 +326,7 @@ class Estimator {
     pose.node_id = static_cast<std::int64_t>(nodes.size()) - 1;
     put(pose.T_node_base, between(nodes.back(), T_map_base_));
     pose.node_before = std::exchange(node_before_, -1);
-    put(pose.T_before_base, T_before_base_);
+    put(pose.T_before_base, T_before_base_ * between(nodes.back(), T_map_base_));
     log_.write(utime, channel::kPose, pose);
   }
 
