@@ -125,6 +125,7 @@ std::optional<EstimatorPast> read_estimator_journal(const std::vector<LogEvent>&
     for (const LoopProposal& loop : records.loops)
       if (is_usable(loop.verdict) && !was_accepted(loop, accepted)) past.memory.waiting.push_back(loop);
     place_robot(records, past.memory);
+    if (records.anchor) past.unrecognised = records.anchor->unrecognised;
   } catch (const BadMessage& bad) {
     trouble = bad.what();
     return std::nullopt;

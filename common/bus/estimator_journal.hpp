@@ -20,6 +20,7 @@ inline constexpr const char* kLoopRecord = "LOOP";  ///< that was handled
 struct EstimatorPast {
   estimator_state_t state{};
   EstimatorMemory memory;
+  std::int32_t unrecognised = 0;  ///< scans in a row
   std::vector<graph_node_t> nodes;
   std::vector<LoopProposal> loops;  ///< all that were handled
 };

@@ -17,6 +17,8 @@ namespace {
 constexpr std::size_t kPosesPerChunk = 1000, kEdgesPerChunk = 400;  // both below 60 kB
 constexpr double kPolishSpacing_m = 0.05, kPlaceSpacing_m = 0.04;
 constexpr double kNothingNew = 0.75;       // share of a scan that lies on what the nodes around saw
+constexpr std::int32_t kUnrecognisedScans = 8;  // as kFailuresBeforeRestart of the scan matcher
+constexpr std::ptrdiff_t kEnoughReturns = 40;   // fewer: the laser is covered, and the wheels still tell the way
 constexpr std::size_t kPlaceNodes = 12;  // that a scan in known space is matched against: the nearest
 constexpr NodeId kNodesPerTick = 20;
 
@@ -58,6 +60,7 @@ void EstimatorSession::resume() {
   if (!past) return;
   resumed_ = true;
   state_ = past->state;
+  unrecognised_ = past->unrecognised;
   nodes_ = std::move(past->nodes);
   estimator_.resume(std::move(past->memory));
   for (const LoopProposal& loop : past->loops) loops_seen_.emplace(loop.from, loop.to);
@@ -71,7 +74,11 @@ std::optional<SensorInfo> EstimatorSession::sensor() const {
 
 void EstimatorSession::step(const Scan& scan, const SensorInfo& sensor,
                             const std::vector<MotionMeasurement>& measurements, Verdict verdict) {
-  const GraphEstimator::Step step = estimator_.move(measurements, places_ ? locator(scan, sensor) : Localize());
+  GraphEstimator::Step step = advance(scan, sensor, measurements, verdict);
+  if (estimator_.part_of_robot() != 0) {
+    verdict = Verdict::kAmbiguous;
+    step.covariance += Eigen::Vector3d(1e4, 1e4, 10).asDiagonal();
+  }
   bus_.saw_utime(scan.utime);
   state_.utime = scan.utime;
   put(state_.T_node_base, step.T_node_base);
@@ -80,6 +87,20 @@ void EstimatorSession::step(const Scan& scan, const SensorInfo& sensor,
   write_changes();
   write_pose(scan.utime, step, verdict);
   send();
+}
+
+/// After as many scans in a row that were not recognised as make the matcher begin anew, the robot may be anywhere.
+GraphEstimator::Step EstimatorSession::advance(const Scan& scan, const SensorInfo& sensor, const std::vector<MotionMeasurement>& measurements,
+                                               Verdict verdict) {
+  if (!places_) return estimator_.move(measurements);
+  const bool is_known = is_usable(verdict) || verdict == Verdict::kFirst;
+  const bool was_lost = is_known && unrecognised_ >= kUnrecognisedScans;
+  const auto returns = std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(), [&](float r) { return is_return(r, sensor); });
+  if (is_known) unrecognised_ = 0;
+  else unrecognised_ += returns >= kEnoughReturns;
+  if (!was_lost) return estimator_.move(measurements, locator(scan, sensor), unrecognised_ == 0);
+  ++breaks_;
+  return estimator_.begin_apart();
 }
 
 /// Answers where a scan was taken among old nodes.
@@ -162,6 +183,7 @@ void EstimatorSession::send() {
 void EstimatorSession::write_anchor() {
   estimator_anchor_t anchor{};
   anchor.node = estimator_.robot().node;
+  anchor.unrecognised = unrecognised_;
   put(anchor.T_step_base, estimator_.T_step_base());
   journal_.write(kEstimatorAnchor, anchor);
 }
@@ -265,7 +287,8 @@ std::string EstimatorSession::words() const {
   return std::to_string(state_.pose_seq) + " poses, " + std::to_string(nodes_.size()) + " nodes, " +
          (estimator_.reused() ? std::to_string(estimator_.reused()) + " times on old ones, " : "") +
          std::to_string(estimator_.accepted()) + " loops accepted, " + std::to_string(refused_) + " refused, " +
-         std::to_string(estimator_.retracted()) + " retracted" + trouble_ +
+         std::to_string(estimator_.retracted()) + " retracted" + (breaks_ ? ", carried away " + std::to_string(breaks_) + " times" : "") +
+         (estimator_.part_of_robot() ? ", lost: apart from the map since node " + std::to_string(estimator_.part_of_robot()) : "") + trouble_ +
          (journal_.trouble().empty() ? "" : "; " + journal_.trouble());
 }
 

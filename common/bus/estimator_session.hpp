@@ -76,6 +76,7 @@ class EstimatorSession {
   void send();
   void resume();
   void write_anchor();
+  GraphEstimator::Step advance(const Scan& scan, const SensorInfo& sensor, const std::vector<MotionMeasurement>& measurements, Verdict verdict);
   Localize locator(const Scan& scan, const SensorInfo& sensor) const;
   Keyframe keyframe(NodeId id, double spacing_m) const;
 
@@ -90,6 +91,8 @@ class EstimatorSession {
   std::string trouble_;
   std::set<std::pair<NodeId, NodeId>> loops_seen_;
   std::vector<graph_node_t> nodes_;
+  std::int32_t unrecognised_ = 0;  ///< scans in a row
+  std::int64_t breaks_ = 0;
   std::int64_t waiting_ = 0, refused_ = 0;
   std::int64_t size() const { return static_cast<std::int64_t>(nodes_.size()) + estimator_.accepted(); }
   std::int64_t polished_size_ = 0;  ///< nodes and loops at the last polish

@@ -5,8 +5,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
+#include "common/graph/components.hpp"
 #include "common/graph/relative_covariance.hpp"
 
 namespace modslam {
@@ -14,6 +16,7 @@ namespace {
 
 constexpr double kChi2_3dof_999 = 16.27, kChi2_3dof_99 = 11.34;
 constexpr std::size_t kMaxWaiting = 30;
+constexpr double kApart_m = 30;                // between the map and what a robot sees that was carried away
 constexpr double kUrgentChi2 = 6.0;          // a loop that pulls harder than this is optimised at once
 constexpr double kUnseen = 1e-2;             // information filled in where a loop saw nothing: 10 m
 
@@ -31,7 +34,7 @@ Eigen::Matrix3d loop_covariance(const LoopProposal& loop) {
 
 }  // namespace
 
-GraphEstimator::Step GraphEstimator::move(const std::vector<MotionMeasurement>& measurements, const Localize& localize) {
+GraphEstimator::Step GraphEstimator::move(const std::vector<MotionMeasurement>& measurements, const Localize& localize, bool may_be_node) {
   Step step;
   if (graph_.poses.empty()) {
     graph_.poses.emplace_back();
@@ -43,7 +46,7 @@ GraphEstimator::Step GraphEstimator::move(const std::vector<MotionMeasurement>& 
     robot_.covariance = compose_covariance(robot_.T_node_base, robot_.covariance, T_from_to, proposal.covariance);
     robot_.T_node_base = robot_.T_node_base * T_from_to;
     T_step_base_ = T_step_base_ * T_from_to;
-    if (std::hypot(T_step_base_.x, T_step_base_.y) >= config_.node_m || std::abs(T_step_base_.heading) >= config_.node_rad) {
+    if (may_be_node && (std::hypot(T_step_base_.x, T_step_base_.y) >= config_.node_m || std::abs(T_step_base_.heading) >= config_.node_rad)) {
       T_step_base_ = Pose2();
       const Anchorage before = robot_;
       step.is_new_node = !stay_in_known_space(localize);
@@ -54,6 +57,16 @@ GraphEstimator::Step GraphEstimator::move(const std::vector<MotionMeasurement>& 
       }
     }
   }
+  const Step here = step_here();
+  step.T_map_base = here.T_map_base;
+  step.covariance = here.covariance;
+  step.node = here.node;
+  step.T_node_base = here.T_node_base;
+  return step;
+}
+
+GraphEstimator::Step GraphEstimator::step_here() const {
+  Step step;
   step.T_map_base = graph_.poses[static_cast<std::size_t>(robot_.node)] * robot_.T_node_base;
   step.covariance = robot_.covariance;
   step.node = robot_.node;
@@ -61,12 +74,24 @@ GraphEstimator::Step GraphEstimator::move(const std::vector<MotionMeasurement>& 
   return step;
 }
 
+GraphEstimator::Step GraphEstimator::begin_apart() {
+  const Pose2& T_map_last = graph_.poses[static_cast<std::size_t>(robot_.node)];
+  const auto rightmost = std::max_element(graph_.poses.begin(), graph_.poses.end(), [](const Pose2& a, const Pose2& b) { return a.x < b.x; });
+  const Pose2 T_map_apart(rightmost->x + kApart_m, T_map_last.y, T_map_last.heading);
+  append_node({0, robot_.node, 0, EdgeKind::kSequence, between(T_map_last, T_map_apart), break_information()}, T_map_apart);
+  Step step = step_here();
+  step.is_new_node = true;
+  return step;
+}
+
+NodeId GraphEstimator::part_of_robot() const {
+  if (std::none_of(graph_.edges.begin(), graph_.edges.end(), is_break)) return 0;
+  return components(graph_.poses.size(), edges())[static_cast<std::size_t>(robot_.node)];
+}
+
 void GraphEstimator::append_node() {
   GraphEdge edge;
-  edge.id = next_edge_++;
   edge.from = robot_.node;
-  edge.to = static_cast<NodeId>(graph_.poses.size());
-  edge.kind = EdgeKind::kSequence;
   edge.T_from_to = robot_.T_node_base;
   // A millimetre and a third of a milliradian is as good as any step is known.
   const Eigen::Matrix3d floor = Eigen::Vector3d(1e-6, 1e-6, 1e-7).asDiagonal();
@@ -74,11 +99,20 @@ void GraphEstimator::append_node() {
   R.topLeftCorner<2, 2>() = rotation(robot_.T_node_base.heading);
   edge.information = R.transpose() * (robot_.covariance + floor).inverse() * R;
   edge.information = 0.5 * (edge.information + edge.information.transpose()).eval();
-  graph_.poses.push_back(graph_.poses[static_cast<std::size_t>(robot_.node)] * robot_.T_node_base);
-  published_poses_.push_back(graph_.poses.back());
+  append_node(edge, graph_.poses[static_cast<std::size_t>(robot_.node)] * robot_.T_node_base);
+}
+
+/// The robot stands on the new node; the edge gets its number and its far end.
+void GraphEstimator::append_node(const GraphEdge& to_it, const Pose2& T_map_node) {
+  GraphEdge edge = to_it;
+  edge.id = next_edge_++;
+  edge.to = static_cast<NodeId>(graph_.poses.size());
+  graph_.poses.push_back(T_map_node);
+  published_poses_.push_back(T_map_node);
   graph_.edges.push_back(edge);
   changes_.added.push_back(edge);
   robot_ = {edge.to, {}, Eigen::Matrix3d::Zero()};
+  T_step_base_ = Pose2();
 }
 
 /// Where the place is full, hangs the robot on an old node. A scan that does not fit there makes a node after all, until the place holds twice
@@ -90,6 +124,8 @@ bool GraphEstimator::stay_in_known_space(const Localize& localize) {
   const auto most = static_cast<std::size_t>(config_.full_at);
   if (known.size() < most) return false;
   const Anchorage expected = seen_from(known.front());
+  // Who comes here by a way that the graph knows badly closes a loop, and loops are judged elsewhere.
+  if (position_sigma(expected.covariance) - position_sigma(robot_.covariance) > config_.trusted_sigma_m) return false;
   const Localized answer = localize(known, expected);
   const std::optional<AnchorFix>& fix = answer.fix;
   const std::optional<Anchorage> place = fix ? combine(expected, *fix) : std::nullopt;
@@ -153,6 +189,7 @@ LoopFate GraphEstimator::add_loop(const LoopProposal& loop) {
         std::all_of(friends.begin(), friends.end(), [&](std::size_t f) { return consistent(waiting_[f], waiting_[k]); }))
       friends.push_back(k);
   if (static_cast<std::int64_t>(friends.size()) >= config_.confirmations) {
+    join_parts(loop);
     for (const std::size_t k : friends) accept(to_edge(waiting_[k]));
     for (auto k = friends.rbegin(); k != friends.rend(); ++k) waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(*k));
     accept(to_edge(loop));
@@ -161,6 +198,20 @@ LoopFate GraphEstimator::add_loop(const LoopProposal& loop) {
   waiting_.push_back(loop);
   if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
   return LoopFate::kWaiting;
+}
+
+/// Where a loop ties two parts together, brings the later one as a whole to where the loop says.
+void GraphEstimator::join_parts(const LoopProposal& loop) {
+  if (std::none_of(graph_.edges.begin(), graph_.edges.end(), is_break)) return;
+  const std::vector<NodeId> parts = components(graph_.poses.size(), edges());
+  const NodeId part_from = parts[static_cast<std::size_t>(loop.from)], part_to = parts[static_cast<std::size_t>(loop.to)];
+  if (part_from == part_to) return;
+  const Pose2 &T_map_from = graph_.poses[static_cast<std::size_t>(loop.from)], &T_map_to = graph_.poses[static_cast<std::size_t>(loop.to)];
+  const bool moves_to = part_to > part_from;
+  const Pose2 T = moves_to ? T_map_from * loop.T_from_to * T_map_to.inverse() : T_map_to * loop.T_from_to.inverse() * T_map_from.inverse();
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    if (parts[k] == (moves_to ? part_to : part_from)) graph_.poses[k] = T * graph_.poses[k];
+  postponed_ = config_.postpone;  // to be optimised with the next loop
 }
 
 bool GraphEstimator::agrees_with_graph(const LoopProposal& loop, bool& trusted) const {
@@ -222,7 +273,10 @@ void GraphEstimator::optimize(bool thoroughly) {
 
 void GraphEstimator::polish(const std::vector<GraphEdge>& overlaps) {
   const std::size_t count = graph_.edges.size();
-  graph_.edges.insert(graph_.edges.end(), overlaps.begin(), overlaps.end());
+  const std::vector<NodeId> parts = components(graph_.poses.size(), edges());
+  std::copy_if(overlaps.begin(), overlaps.end(), std::back_inserter(graph_.edges), [&](const GraphEdge& edge) {
+    return parts[static_cast<std::size_t>(edge.from)] == parts[static_cast<std::size_t>(edge.to)];
+  });
   OptimizeOptions options;
   options.dcs_phi = config_.dcs_phi;
   options.max_iterations = 10;

@@ -87,7 +87,13 @@ class GraphEstimator {
   };
   /// One scan further. `measurements` speak of the motion since the last scan; empty for the first scan.
   /// @param localize asked before a place that is full would get another node; without it, it gets one.
-  Step move(const std::vector<MotionMeasurement>& measurements, const Localize& localize = {});
+  /// @param may_be_node false for a scan that was not recognised: it may have been taken anywhere.
+  Step move(const std::vector<MotionMeasurement>& measurements, const Localize& localize = {}, bool may_be_node = true);
+  /// The robot was carried away: a node where nothing else is, tied to the rest by a break edge. Loops that confirm each other bring it
+  /// and all that follows to where it belongs.
+  Step begin_apart();
+  /// First node of the part that the robot is in; 0: it is not lost.
+  NodeId part_of_robot() const;
 
   LoopFate add_loop(const LoopProposal& proposal);
   /// Optimises what was postponed; `thoroughly` to convergence (end of a run).
@@ -113,6 +119,9 @@ class GraphEstimator {
 
  private:
   void append_node();
+  void append_node(const GraphEdge& edge, const Pose2& T_map_node);
+  Step step_here() const;
+  void join_parts(const LoopProposal& loop);
   bool stay_in_known_space(const Localize& localize);
   Anchorage seen_from(NodeId node) const;
   bool is_news(const GraphEdge& edge) const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/graph/components.hpp"
 #include "common/graph/relative_covariance.hpp"
 #include "common/loops/place_match.hpp"
 
@@ -13,6 +14,8 @@ namespace {
 constexpr double kPointSpacing_m = 0.04;
 constexpr std::size_t kBeams = 60;
 constexpr double kSigmas = 3.0;
+constexpr double kFoundEvery_m = 2.0;  // way between two proposals of a robot that was carried away
+constexpr std::size_t kFoundNodes = 12;
 
 std::vector<Eigen::Vector2d> thin_out(const std::vector<OrientedPoint>& points, std::size_t most) {
   std::vector<Eigen::Vector2d> chosen;
@@ -56,13 +59,56 @@ void LoopDetector::rebuild_tree() {
 }
 
 std::vector<LoopProposal> LoopDetector::detect(const std::vector<const GraphEdge*>& edges) {
+  const std::vector<NodeId> parts = components(nodes_.size(), edges);
+  if (parts.back() != 0) {  // the robot was carried away
+    const std::optional<LoopProposal> found = find_in_other_parts(parts);
+    return found ? std::vector<LoopProposal>{*found} : std::vector<LoopProposal>();
+  }
+  relocalizer_.reset();
   if (!wants_to_look()) return {};
   if (tree_stale_) rebuild_tree();
   std::vector<LoopProposal> proposals;
-  const auto passes = split_into_passes(visible_candidates(edges));
-  for (const auto& pass : passes) proposals.push_back(match(pass));
+  std::vector<Candidate> candidates = visible_candidates(edges);
+  candidates.erase(std::remove_if(candidates.begin(), candidates.end(), [&](const Candidate& c) { return parts[static_cast<std::size_t>(c.id)] != 0; }),
+                   candidates.end());
+  const auto passes = split_into_passes(std::move(candidates));
+  for (const auto& pass : passes) proposals.push_back(match(nodes_.back(), pass));
   if (!proposals.empty()) last_look_m_ = way_m_.back();
   return proposals;
+}
+
+/// Looks for the newest scans of a part of the graph in all that was there when the part began.
+std::optional<LoopProposal> LoopDetector::find_in_other_parts(const std::vector<NodeId>& parts) {
+  if (!relocalizer_ || relocalized_part_ != parts.back()) {
+    relocalized_part_ = parts.back();
+    relocalizer_.emplace(noise_.sigma_range_m, range_limit_m_);
+    for (std::size_t k = 0; k < nodes_.size(); ++k)
+      if (parts[k] != parts.back()) relocalizer_->add_node(static_cast<NodeId>(k), nodes_[k]);
+  }
+  const Relocalizer::Answer answer = relocalizer_->look(nodes_.back());
+  if (answer.verdict != Verdict::kOk || !answer.is_of_this_scan) return std::nullopt;
+  if (way_m_.back() - last_look_m_ < kFoundEvery_m) return std::nullopt;
+  last_look_m_ = way_m_.back();
+  return match_at(answer.T_map_base, parts);
+}
+
+/// The newest node as if it stood at a place of another part, judged like any loop: two places that look alike to the eye that searches differ in
+/// what a match can say.
+std::optional<LoopProposal> LoopDetector::match_at(const Pose2& T_map_found, const std::vector<NodeId>& parts) const {
+  std::vector<Candidate> near;
+  const Eigen::Matrix3d cov = Eigen::Vector3d(0.01, 0.01, 0.0025).asDiagonal();
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const double distance_m = distance(nodes_[k].T_map_base, T_map_found);
+    if (parts[k] != parts.back() && distance_m < config_.close_m) near.push_back({static_cast<NodeId>(k), distance_m, cov});
+  }
+  if (near.empty()) return std::nullopt;
+  std::stable_sort(near.begin(), near.end(), [](const Candidate& a, const Candidate& b) { return a.distance_m < b.distance_m; });
+  if (near.size() > kFoundNodes) near.resize(kFoundNodes);
+  Keyframe now = nodes_.back();
+  now.T_map_base = T_map_found;
+  LoopProposal proposal = match(now, near);
+  if (proposal.verdict == Verdict::kDegenerate) proposal.verdict = Verdict::kAmbiguous;  // one corridor is like another
+  return proposal;
 }
 
 std::vector<LoopDetector::Candidate> LoopDetector::visible_candidates(
@@ -129,7 +175,7 @@ std::vector<std::vector<LoopDetector::Candidate>> LoopDetector::split_into_passe
   return passes;
 }
 
-LoopProposal LoopDetector::match(const std::vector<Candidate>& pass) const {
+LoopProposal LoopDetector::match(const Keyframe& now, const std::vector<Candidate>& pass) const {
   LoopProposal proposal;
   proposal.from = pass.front().id;
   proposal.to = static_cast<NodeId>(nodes_.size()) - 1;
@@ -138,7 +184,7 @@ LoopProposal LoopDetector::match(const std::vector<Candidate>& pass) const {
     affected.push_back(&nodes_[static_cast<std::size_t>(candidate.id)]);
     proposal.affected.push_back(candidate.id);
   }
-  const PlaceMatch match = match_place(nodes_.back(), affected, pass.front().cov, config_.limits());
+  const PlaceMatch match = match_place(now, affected, pass.front().cov, config_.limits());
   proposal.verdict = match.verdict;
   proposal.figures = match.figures;
   proposal.T_from_to = between(nodes_[static_cast<std::size_t>(proposal.from)].T_map_base, match.T_map_base);

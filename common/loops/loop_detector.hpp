@@ -8,12 +8,14 @@
 /// nothing becomes an edge here: proposals are judged once more by the estimator.
 #pragma once
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "common/config/visitor.hpp"
 #include "common/graph/types.hpp"
 #include "common/loops/place_match.hpp"
 #include "common/loops/quad_tree.hpp"
+#include "common/loops/relocalizer.hpp"
 
 namespace modslam {
 
@@ -82,7 +84,9 @@ class LoopDetector {
   void rebuild_tree();
   std::vector<Candidate> visible_candidates(const std::vector<const GraphEdge*>& edges) const;
   std::vector<std::vector<Candidate>> split_into_passes(std::vector<Candidate> candidates) const;
-  LoopProposal match(const std::vector<Candidate>& pass) const;
+  LoopProposal match(const Keyframe& now, const std::vector<Candidate>& pass) const;
+  std::optional<LoopProposal> find_in_other_parts(const std::vector<NodeId>& parts);
+  std::optional<LoopProposal> match_at(const Pose2& T_map_found, const std::vector<NodeId>& parts) const;
 
   LoopDetectorConfig config_;
   RangeNoise noise_;
@@ -94,6 +98,8 @@ class LoopDetector {
   NodeId next_in_tree_ = 0;
   bool tree_stale_ = false;
   double last_look_m_ = -1e9;
+  std::optional<Relocalizer> relocalizer_;  ///< while the newest node's part of the graph is not the first one
+  NodeId relocalized_part_ = 0;
 };
 
 }  // namespace modslam

@@ -46,8 +46,12 @@ double apart(const Pose2& a, const Pose2& b, double m, double rad) {
 }  // namespace
 
 void Relocalizer::add_node(NodeId id, const Pose2& T_map_base, const Scan& scan, const SensorInfo& sensor) {
+  add_node(id, {T_map_base, orient(scan, sensor, noise_, range_limit_m_, kPointSpacing_m), sensor.T_base_laser.translation()});
+}
+
+void Relocalizer::add_node(NodeId id, Keyframe node) {
   if (prepared_) throw std::logic_error("the map of a relocalizer is complete once it was asked");
-  nodes_.push_back({T_map_base, orient(scan, sensor, noise_, range_limit_m_, kPointSpacing_m), sensor.T_base_laser.translation()});
+  nodes_.push_back(std::move(node));
   ids_.push_back(id);
 }
 
@@ -81,16 +85,27 @@ void Relocalizer::forget() {
 }
 
 Relocalizer::Answer Relocalizer::look(const Scan& scan, const SensorInfo& sensor, const Pose2& T_track_base) {
+  if (!seen_.empty() && apart(seen_.back().T_track_base, T_track_base, kSpacing_m, kSpacing_rad) < 1) return stale();
+  return look({T_track_base, orient(scan, sensor, noise_, range_limit_m_, kPointSpacing_m), sensor.T_base_laser.translation()});
+}
+
+Relocalizer::Answer Relocalizer::look(const Keyframe& scan) {
   prepare();
-  if (!seen_.empty() && apart(seen_.back().T_track_base, T_track_base, kSpacing_m, kSpacing_rad) < 1) return last_;
-  Seen seen{T_track_base, thin_out(orient(scan, sensor, noise_, range_limit_m_, kPointSpacing_m), kJudgePoints), sensor.T_base_laser.translation()};
-  if (seen.points_base.size() < 20) return last_;
+  if (!seen_.empty() && apart(seen_.back().T_track_base, scan.T_map_base, kSpacing_m, kSpacing_rad) < 1) return stale();
+  Seen seen{scan.T_map_base, thin_out(scan.points_base, kJudgePoints), scan.eye_base};
+  if (seen.points_base.size() < 20) return stale();
   seen_.push_back(std::move(seen));
   if (seen_.size() > kScans) seen_.pop_front();
   if (looks_++ % kSearchEvery == 0 || hypotheses_.empty() || hypotheses_.front().worst_overlap < kSureWorst) propose(seen_.back());
   for (Hypothesis& hypothesis : hypotheses_) judge(hypothesis);
   merge();
   return last_ = answer();
+}
+
+Relocalizer::Answer Relocalizer::stale() const {
+  Answer answer = last_;
+  answer.is_of_this_scan = false;
+  return answer;
 }
 
 /// Adds the places where the newest scan alone could have been taken: a sieve over all places and headings on a blurred map, then a search

@@ -8,6 +8,7 @@
 /// Many rough poses sieved and the rest refined after Filotheou (CBGL, IROS 2024); hypotheses over the path after Fox et al., JAIR 1999, without the random draws.
 #pragma once
 #include <deque>
+#include <utility>
 #include <vector>
 
 #include "common/graph/types.hpp"
@@ -22,6 +23,7 @@ class Relocalizer {
 
   /// The map: nodes in any order, poses as the map has them. @throws std::logic_error after the first look().
   void add_node(NodeId id, const Pose2& T_map_base, const Scan& scan, const SensorInfo& sensor);
+  void add_node(NodeId id, Keyframe node);
   std::size_t nodes() const { return nodes_.size(); }
 
   struct Answer {
@@ -32,10 +34,13 @@ class Relocalizer {
     double posterior = 0;               ///< of the best hypothesis, 0..1
     double overlap = 0;                 ///< share of the scans' points that lie on known walls there, mean
     int hypotheses = 0, scans = 0;
+    bool is_of_this_scan = true;  ///< false: of an earlier one taken near by
   };
   /// One scan more. @param T_track_base where the robot's own tracking says it is, in a frame that stays put since the last forget().
   /// Scans taken near the one before change nothing and cost nothing.
   Answer look(const Scan& scan, const SensorInfo& sensor, const Pose2& T_track_base);
+  /// The same of a scan whose points are oriented already; its pose is where the tracking says it was taken.
+  Answer look(const Keyframe& scan);
   /// The robot has lost its own track: what was seen before says nothing about what comes.
   void forget();
 
@@ -59,6 +64,7 @@ class Relocalizer {
   void judge(Hypothesis& hypothesis) const;
   void merge();
   Answer answer() const;
+  Answer stale() const;
   double free_violation(const Seen& seen, const Pose2& T_map_base) const;
   NodeId nearest_node(const Pose2& T_map_base) const;
 

@@ -79,7 +79,6 @@ class LoopDetectorModule : public Module {
   }
 
   void look(const MirrorNode& node) {
-    if (!detector_.wants_to_look()) return;
     std::vector<const GraphEdge*> edges;
     for (const GraphEdge& edge : mirror_.edges())
       if (edge.from <= node.id && edge.to <= node.id) edges.push_back(&edge);

@@ -17,6 +17,7 @@
 #include <modslam/scan_match_t.hpp>
 #include <modslam/sim_info_t.hpp>
 #include <modslam/wall_list_t.hpp>
+#include <utility>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/conversions.hpp"
@@ -261,9 +262,11 @@ class Estimator {
     node.scan = to_message(scan);
     log_.write(scan.utime, channel::kNode, node);
     std::vector<graph_edge_t> edges;
-    if (!nodes.empty())
-      edges.push_back(make_edge(edges_++, node.id - 1, node.id, graph_edge_t::SEQUENCE,
-                                between(nodes.back(), T_map_base_)));
+    if (!nodes.empty()) {
+      node_before_ = node.id - 1;
+      T_before_base_ = between(nodes.back(), T_map_base_);
+      edges.push_back(make_edge(edges_++, node.id - 1, node.id, graph_edge_t::SEQUENCE, T_before_base_));
+    }
     nodes.push_back(T_map_base_);
     true_nodes.push_back(T_map_true_);
     update(scan.utime, edges, false);
@@ -322,13 +325,15 @@ class Estimator {
     pose.verdict = seq_ == 0 ? scan_match_t::FIRST : scan_match_t::OK;
     pose.node_id = static_cast<std::int64_t>(nodes.size()) - 1;
     put(pose.T_node_base, between(nodes.back(), T_map_base_));
-    pose.node_before = -1;
+    pose.node_before = std::exchange(node_before_, -1);
+    put(pose.T_before_base, T_before_base_ * between(nodes.back(), T_map_base_));
     log_.write(utime, channel::kPose, pose);
   }
 
   LogWriter& log_;
   SensorInfo sensor_;
-  Pose2 T_map_base_, T_map_true_;
+  Pose2 T_map_base_, T_map_true_, T_before_base_;
+  std::int64_t node_before_ = -1;  ///< of a scan that has just become a node
   std::int64_t seq_ = 0, edges_ = 0, updates_ = 0, proposals_ = 0;
 };
 
