@@ -113,6 +113,8 @@ class FurnitureFinder {
   }
 
   bool belong_together(const Wall& p, const Wall& q) const {
+    const Vec apart = (p.a.cwiseMin(p.b) - q.a.cwiseMax(q.b)).cwiseMax(q.a.cwiseMin(q.b) - p.a.cwiseMax(p.b));
+    if (apart.maxCoeff() > kDoor_m + 0.3) return false;
     const Vec u = p.direction();
     const double gap = std::max(u.dot(q.a - p.b), u.dot(p.a - q.b));
     const bool in_line = std::abs(u.dot(q.direction())) > 0.985 && std::abs(p.normal().dot(q.a - p.a)) < kInLine_m + 0.2 &&
