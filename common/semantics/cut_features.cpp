@@ -10,7 +10,7 @@ namespace {
 using Vec = Eigen::Vector2d;
 
 constexpr double kBeyond_m = 1.0, kHitBeyond_m = 0.6, kWay_m = 4.0, kRoomyWay_m = 2.5, kBeside_m = 0.35, kMostFlare = 4;
-constexpr double kAtWall_m = 0.25, kLongWall_m = 3.0;
+constexpr double kAtWall_m = 0.25, kLongWall_m = 3.0, kSquare_m = 3.2;
 
 cv::Point cell(const Vec& p) { return {cvRound(p.x()), cvRound(p.y())}; }
 
@@ -18,6 +18,11 @@ cv::Point cell(const Vec& p) { return {cvRound(p.x()), cvRound(p.y())}; }
 double align(const Corner& corner, const Vec& out) { return std::max(out.dot(corner.before), out.dot(corner.after)); }
 
 }  // namespace
+
+CutFeatures::CutFeatures(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls)
+    : floor_(floor), space_(space), walls_(walls), index_(kSquare_m), cell_m_(floor.resolution_m) {
+  for (std::size_t k = 0; k < walls.size(); ++k) index_.add(walls[k].a, walls[k].b, k);
+}
 
 bool is_clear(const Floor& floor, const Vec& a, const Vec& b) {
   const double length = (b - a).norm();
@@ -87,7 +92,8 @@ CutFeatures::Side CutFeatures::look(const FloorCut& cut, const Vec& n) const {
 
 double CutFeatures::wall_at_m(const Vec& p) const {
   double longest = 0;
-  for (const Wall& wall : walls_) {
+  for (const std::size_t k : index_.near(p, p, kAtWall_m)) {
+    const Wall& wall = walls_[k];
     if ((p.array() < wall.a.cwiseMin(wall.b).array() - kAtWall_m).any() || (p.array() > wall.a.cwiseMax(wall.b).array() + kAtWall_m).any()) continue;
     const Vec u = wall.direction();
     const double along = u.dot(p - wall.a), across = u.x() * (p - wall.a).y() - u.y() * (p - wall.a).x();
@@ -120,8 +126,17 @@ Opening CutFeatures::measure(const FloorCut& cut, double narrowest) const {
   pair(kFlareLess, left.flare, right.flare);
   f[kMidClear] = static_cast<float>(floor_.clearance(cell(cut.centre())) / half);
   f[kLocal] = static_cast<float>(cut.length() / narrowest);
-  pair(kWallLess, wall_at_m(out.a), wall_at_m(out.b));
+  measure_walls(out);
   return out;
+}
+
+bool CutFeatures::measure_walls(Opening& opening) const {
+  const double p = wall_at_m(opening.a), q = wall_at_m(opening.b);
+  const auto less = static_cast<float>(std::min(p, q)), more = static_cast<float>(std::max(p, q));
+  const bool changes = opening.features[kWallLess] != less || opening.features[kWallMore] != more;
+  opening.features[kWallLess] = less;
+  opening.features[kWallMore] = more;
+  return changes;
 }
 
 }  // namespace modslam

@@ -2,15 +2,18 @@
 /// @file What is measured of a cut through the floor.
 #pragma once
 #include "common/semantics/openings.hpp"
+#include "common/semantics/plan_index.hpp"
 
 namespace modslam {
 
 class CutFeatures {
  public:
-  CutFeatures(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls) : floor_(floor), space_(space), walls_(walls), cell_m_(floor.resolution_m) {}
+  CutFeatures(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls);
 
   /// @param narrowest  length of the narrowest cut near by.
   Opening measure(const FloorCut& cut, double narrowest) const;
+  /// The features that tell of walls at the ends, filled in. @return whether that changed them.
+  bool measure_walls(Opening& opening) const;
   /// Cells that the features depend on.
   static cv::Rect reach(const FloorCut& cut, double cell_m);
 
@@ -30,6 +33,7 @@ class CutFeatures {
   const Floor& floor_;
   const KnownSpace& space_;
   const std::vector<Wall>& walls_;
+  PlanIndex index_;
   double cell_m_;
 };
 

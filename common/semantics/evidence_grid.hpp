@@ -36,6 +36,14 @@ class EvidenceGrid {
     constexpr double kPerPoint = 0.4, kMost = 6.0;
     const int i = index(p.x()), j = index(p.y());
     std::int64_t balance = 0;
+    const int x = i & (kSide - 1), y = j & (kSide - 1);
+    if (x > 0 && y > 0 && x + 1 < kSide && y + 1 < kSide) {  // all in one tile
+      const auto tile = tiles_.find(key_of(i, j));
+      if (tile == tiles_.end()) return 0;
+      for (int dj = -1; dj <= 1; ++dj)
+        for (int di = -1; di <= 1; ++di) balance += tile->second[cell_of(i + di, j + dj)];
+      return std::clamp(kPerPoint * static_cast<double>(balance), -kMost, kMost);
+    }
     for (int dj = -1; dj <= 1; ++dj)
       for (int di = -1; di <= 1; ++di)
         if (const auto tile = tiles_.find(key_of(i + di, j + dj)); tile != tiles_.end()) balance += tile->second[cell_of(i + di, j + dj)];

@@ -2,9 +2,8 @@
 #include "common/semantics/floor.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
-
-#include "common/semantics/islands.hpp"
 
 namespace modslam {
 namespace {
@@ -28,17 +27,18 @@ cv::Mat structure(int shape, double width_m, double resolution_m) {
   return cv::getStructuringElement(shape, {cells, cells});
 }
 
-/// Cuts the islands off that lie around a change: `islands` has those of `mask` that `is_one` says so.
-Boxes update_islands(cv::Mat1b& islands, const cv::Mat1b& mask, const Boxes& changed, const IslandLimits& limits,
-                     const std::function<bool(const Island&)>& is_one) {
-  // What was an island and met the change is one no more, unless it is found again.
-  std::vector<Island> before, now;
-  each_island(islands, changed, limits, [&](const Island& island) { before.push_back(island); });
-  each_island(mask, changed, limits, [&](const Island& island) {
-    if (is_one(island)) now.push_back(island);
-  });
-  for (const Island& island : before) islands(island.box).setTo(0, island.mask);
-  for (const Island& island : now) islands(island.box).setTo(255, island.mask);
+/// Islands of the mask that meet the change.
+std::vector<Island> islands_of(const cv::Mat1b& mask, const Boxes& changed, const IslandLimits& limits) {
+  std::vector<Island> out;
+  each_island(mask, changed, limits, [&](const Island& island) { out.push_back(island); });
+  return out;
+}
+
+/// What was marked and met the change is marked no more, unless it is found again. @return boxes of what is new or gone.
+Boxes update_marks(cv::Mat1b& marks, const Boxes& changed, const IslandLimits& limits, const std::vector<Island>& now) {
+  const std::vector<Island> before = islands_of(marks, changed, limits);
+  for (const Island& island : before) marks(island.box).setTo(0, island.mask);
+  for (const Island& island : now) marks(island.box).setTo(255, island.mask);
   Boxes news;
   const auto same = [](const Island& p, const Island& q) { return p.box == q.box && difference(p.mask, q.mask).area() == 0; };
   const auto note = [&](const std::vector<Island>& these, const std::vector<Island>& those) {
@@ -100,7 +100,11 @@ FloorChange update_floor(Floor& floor, const KnownSpace& space, double island_ma
     if (std::max(island.box.width, island.box.height) * cell_m <= kSmall_m) return true;
     return thickness_m(island.mask, cell_m) >= kWallThickness_m && share_of_box(island.mask) >= kCompact;
   };
-  const Boxes things = update_islands(floor.things, floor.closed, stirred, limits(kLongestThing_m, island_max_m2, 8), is_thing);
+  const IslandLimits blocks = limits(kLongestThing_m, island_max_m2, 8);
+  change.islands = islands_of(floor.closed, changed, blocks);
+  std::vector<Island> small;
+  std::copy_if(change.islands.begin(), change.islands.end(), std::back_inserter(small), is_thing);
+  const Boxes things = update_marks(floor.things, changed, blocks, small);
   stirred.insert(stirred.end(), things.begin(), things.end());
   stirred.insert(stirred.end(), change.solid.begin(), change.solid.end());
 
@@ -114,8 +118,8 @@ FloorChange update_floor(Floor& floor, const KnownSpace& space, double island_ma
     take_over(floor.swept, box, sweep(open, floor.solid(window), cell_m)(box - window.tl()), swept);
   }
   // Beams that slipped through a window leave single cells and threads beyond it.
-  const auto is_speck = [](const Island&) { return true; };
-  const Boxes specks = update_islands(floor.specks, floor.swept, swept, limits(kLongestSpeck_m, kSpeck_m2, 4), is_speck);
+  const IslandLimits loose = limits(kLongestSpeck_m, kSpeck_m2, 4);
+  const Boxes specks = update_marks(floor.specks, swept, loose, islands_of(floor.swept, swept, loose));
   swept.insert(swept.end(), specks.begin(), specks.end());
   for (const cv::Rect& box : swept) {
     cv::bitwise_not(floor.specks(box), picture);

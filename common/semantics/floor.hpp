@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file The floor that rooms are made of: what was seen free, with the things that stand in it taken away.
 #pragma once
-#include "common/semantics/boxes.hpp"
+#include "common/semantics/islands.hpp"
 #include "common/semantics/known_space.hpp"
 
 namespace modslam {
@@ -21,6 +21,7 @@ struct Floor {
 /// Where each raster of the floor changed.
 struct FloorChange {
   Boxes open, clearance, solid;
+  std::vector<Island> islands;  ///< of what is not free, those that met the change
 };
 
 /// Islands of at most `island_max_m2` are taken away, except long thin ones: these are pieces of wall between doors.

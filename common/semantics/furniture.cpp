@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <set>
 
 #include "common/semantics/plan_index.hpp"
 
@@ -113,6 +113,8 @@ class FurnitureFinder {
   }
 
   bool belong_together(const Wall& p, const Wall& q) const {
+    const Vec apart = (p.a.cwiseMin(p.b) - q.a.cwiseMax(q.b)).cwiseMax(q.a.cwiseMin(q.b) - p.a.cwiseMax(p.b));
+    if (apart.maxCoeff() > kDoor_m + 0.3) return false;
     const Vec u = p.direction();
     const double gap = std::max(u.dot(q.a - p.b), u.dot(p.a - q.b));
     const bool in_line = std::abs(u.dot(q.direction())) > 0.985 && std::abs(p.normal().dot(q.a - p.a)) < kInLine_m + 0.2 &&
@@ -124,34 +126,42 @@ class FurnitureFinder {
     return std::min({distance_to(p.a, q), distance_to(p.b, q), distance_to(q.a, p), distance_to(q.b, p)}) < kTouch_m;
   }
 
-  void find_lone_groups() {
-    std::vector<std::size_t> group(walls_.size());
-    std::iota(group.begin(), group.end(), std::size_t{0});
-    const auto root = [&](std::size_t k) {
-      while (group[k] != k) k = group[k] = group[group[k]];
-      return k;
-    };
-    for (std::size_t i = 0; i < walls_.size(); ++i)
-      for (const std::size_t j : index_.near(walls_[i].a, walls_[i].b, kDoor_m + 0.3))
-        if (j > i && !furniture_[i] && !furniture_[j] && root(i) != root(j) && belong_together(walls_[i], walls_[j])) group[root(i)] = root(j);
-    std::vector<Vec> low(walls_.size(), Vec(1e9, 1e9)), high(walls_.size(), Vec(-1e9, -1e9));
-    Vec all_low(1e9, 1e9), all_high(-1e9, -1e9);
-    for (std::size_t i = 0; i < walls_.size(); ++i)
-      for (const Vec& p : {walls_[i].a, walls_[i].b}) {
-        low[root(i)] = low[root(i)].cwiseMin(p);
-        high[root(i)] = high[root(i)].cwiseMax(p);
-        all_low = all_low.cwiseMin(p);
-        all_high = all_high.cwiseMax(p);
-      }
-    if ((all_high - all_low).norm() < 2 * kSmallGroup_m) return;  // nothing larger was seen yet
-    // The faces of a small room look inwards, those of a thing outwards.
-    std::vector<double> outwards(walls_.size(), 0);
-    for (std::size_t i = 0; i < walls_.size(); ++i) {
-      const Vec middle = 0.5 * (walls_[i].a + walls_[i].b), centre = 0.5 * (low[root(i)] + high[root(i)]);
-      outwards[root(i)] += walls_[i].length_m() * walls_[i].normal().dot(middle - centre);
+  /// Walls that a wall hangs together with, itself among them; no more than it takes to see that they are no small group.
+  std::vector<std::size_t> group_of(std::size_t first, const std::vector<bool>& front, Vec& low, Vec& high) const {
+    std::vector<std::size_t> group{first};
+    std::set<std::size_t> known{first};
+    low = Vec(1e9, 1e9);
+    high = -low;
+    for (std::size_t next = 0; next < group.size(); ++next) {
+      const Wall& wall = walls_[group[next]];
+      low = low.cwiseMin(wall.a).cwiseMin(wall.b);
+      high = high.cwiseMax(wall.a).cwiseMax(wall.b);
+      if ((high - low).norm() >= kSmallGroup_m) break;
+      for (const std::size_t j : index_.near(wall.a, wall.b, kDoor_m + 0.3))
+        if (!front[j] && !known.count(j) && (belong_together(wall, walls_[j]) || belong_together(walls_[j], wall))) group.push_back(j), known.insert(j);
     }
-    for (std::size_t i = 0; i < walls_.size(); ++i)
-      if ((high[root(i)] - low[root(i)]).norm() < kSmallGroup_m && outwards[root(i)] > -kInwards_m2) furniture_[i] = true;
+    return group;
+  }
+
+  void find_lone_groups() {
+    Vec all_low(1e9, 1e9), all_high(-1e9, -1e9);
+    for (const Wall& wall : walls_) {
+      all_low = all_low.cwiseMin(wall.a).cwiseMin(wall.b);
+      all_high = all_high.cwiseMax(wall.a).cwiseMax(wall.b);
+    }
+    if (walls_.empty() || (all_high - all_low).norm() < 2 * kSmallGroup_m) return;  // nothing larger was seen yet
+    const std::vector<bool> front = furniture_;
+    for (std::size_t i = 0; i < walls_.size(); ++i) {
+      if (furniture_[i] || walls_[i].length_m() >= kSmallGroup_m) continue;
+      Vec low, high;
+      const std::vector<std::size_t> group = group_of(i, front, low, high);
+      if ((high - low).norm() >= kSmallGroup_m) continue;
+      // The faces of a small room look inwards, those of a thing outwards.
+      double outwards = 0;
+      for (const std::size_t k : group) outwards += walls_[k].length_m() * walls_[k].normal().dot(0.5 * (walls_[k].a + walls_[k].b) - 0.5 * (low + high));
+      for (const std::size_t k : group)
+        if (outwards > -kInwards_m2) furniture_[k] = true;
+    }
   }
 
   const std::vector<Wall>& walls_;

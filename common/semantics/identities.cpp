@@ -2,6 +2,8 @@
 #include "common/semantics/identities.hpp"
 
 #include <algorithm>
+#include <array>
+#include <map>
 
 #include "common/semantics/plan_index.hpp"
 #include "common/semantics/room_finder.hpp"
@@ -24,6 +26,28 @@ Box box_of(const Door& door) { return Box({door.a, door.b}); }
 Box box_of(const Room& room) { return Box(room.outline); }
 Box box_of(const Object& object) { return Box(object.outline); }
 
+bool is_same(const Wall& p, const Wall& q) { return p.a == q.a && p.b == q.b; }
+bool is_same(const Door& p, const Door& q) { return p.a == q.a && p.b == q.b; }
+bool is_same(const Room& p, const Room& q) { return p.outline == q.outline; }
+bool is_same(const Object& p, const Object& q) { return p.outline == q.outline; }
+
+/// What lies just where it lay is the same.
+template <class Thing>
+void keep_same(std::vector<Thing>& now, const std::vector<Thing>& before, std::vector<bool>& taken) {
+  const auto place_of = [](const Thing& thing) {
+    const Box box = box_of(thing);
+    return std::array<double, 4>{box.low.x(), box.low.y(), box.high.x(), box.high.y()};
+  };
+  std::map<std::array<double, 4>, std::size_t> places;
+  for (std::size_t j = 0; j < before.size(); ++j) places.emplace(place_of(before[j]), j);
+  for (Thing& thing : now) {
+    const auto found = places.find(place_of(thing));
+    if (found == places.end() || taken[found->second] || !is_same(thing, before[found->second])) continue;
+    thing.id = before[found->second].id;
+    taken[found->second] = true;
+  }
+}
+
 /// Gives each new thing the id of the old thing it is most like, each old id once; `likeness` <= 0: not the same.
 template <class Thing, class Likeness>
 void keep_ids(std::vector<Thing>& now, const std::vector<Thing>& before, std::int64_t& next_id, Likeness likeness) {
@@ -32,18 +56,21 @@ void keep_ids(std::vector<Thing>& now, const std::vector<Thing>& before, std::in
     std::size_t now, before;
   };
   std::vector<Pair> pairs;
+  std::vector<bool> taken(before.size(), false);
+  keep_same(now, before, taken);
   PlanIndex index(kSquare_m);
   for (std::size_t j = 0; j < before.size(); ++j) {
+    if (taken[j]) continue;
     const Box box = box_of(before[j]);
     index.add(box.low, box.high, j);
   }
   for (std::size_t i = 0; i < now.size(); ++i) {
+    if (now[i].id != 0) continue;
     const Box box = box_of(now[i]);
     for (const std::size_t j : index.near(box.low, box.high, kReach_m))
       if (const double like = likeness(now[i], before[j]); like > 0) pairs.push_back({like, i, j});
   }
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.likeness > b.likeness; });
-  std::vector<bool> taken(before.size(), false);
   for (const Pair& pair : pairs) {
     if (now[pair.now].id != 0 || taken[pair.before]) continue;
     now[pair.now].id = before[pair.before].id;

@@ -195,7 +195,7 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   SemanticLayers layers;
   if (space.empty()) return layers;
   const FloorChange floor = update_floor(floor_, space, config_.object_max_m2, changed);
-  Boxes stirred = update_objects(objects_, space, floor_, config_.object_max_m2, changed);
+  Boxes stirred = update_objects(objects_, space, floor_, changed, floor.islands);
   stirred.insert(stirred.end(), changed.begin(), changed.end());
   const std::vector<WallBand> bands = find_bands(space, stirred, wall_log_odds, odds_changed);
   const std::vector<bool> dropped = pieces_of_wall(objects_, bands, space, config_);

@@ -7,7 +7,7 @@
 namespace modslam {
 namespace {
 
-constexpr double kMinArea_m2 = 0.03, kLongest_m = 6.4;
+constexpr double kMinArea_m2 = 0.03;
 constexpr double kWallThickness_m = 0.5, kWallExtent_m = 1.2;  // thin and long: a piece of wall between two doors
 
 /// A guess from the footprint's size and shape; "" when several would do.
@@ -38,13 +38,7 @@ bool make_object(const Island& island, const KnownSpace& space, const Floor& flo
 
 }  // namespace
 
-ObjectMap find_objects(const KnownSpace& space, const Floor& floor, double max_m2) {
-  ObjectMap map;
-  if (!space.empty()) update_objects(map, space, floor, max_m2, {cv::Rect({0, 0}, space.occupancy.size())});
-  return map;
-}
-
-Boxes update_objects(ObjectMap& map, const KnownSpace& space, const Floor& floor, double max_m2, const Boxes& changed) {
+Boxes update_objects(ObjectMap& map, const KnownSpace& space, const Floor& floor, const Boxes& changed, const std::vector<Island>& islands) {
   const cv::Size frame = space.occupancy.size();
   if (map.mask.size() != frame) map = {{}, cv::Mat1b(frame, std::uint8_t{0})};
   const Boxes touched = windows(changed, 1, frame);
@@ -59,17 +53,15 @@ Boxes update_objects(ObjectMap& map, const KnownSpace& space, const Floor& floor
     return touches;
   };
   map.objects.erase(std::remove_if(map.objects.begin(), map.objects.end(), is_touched), map.objects.end());
-  const double cell_m = space.resolution_m;
-  each_island(floor.closed, changed, {static_cast<int>(kLongest_m / cell_m), static_cast<int>(max_m2 / cell_m / cell_m), 8}, [&](const Island& island) {
+  for (const Island& island : islands) {
     ObjectMap::Footprint found{island, {}};
     cv::Mat1b known;
     cv::bitwise_and(map.mask(island.box), island.mask, known);
-    if (cv::countNonZero(known) > 0) return;
-    if (!make_object(island, space, floor, found.object)) return;
+    if (cv::countNonZero(known) > 0 || !make_object(island, space, floor, found.object)) continue;
     map.mask(island.box).setTo(255, island.mask);
     stirred.push_back(island.box);
     map.objects.push_back(found);
-  });
+  }
   std::sort(map.objects.begin(), map.objects.end(), [](const auto& p, const auto& q) {
     return std::pair(p.island.box.y, p.island.box.x) < std::pair(q.island.box.y, q.island.box.x);
   });

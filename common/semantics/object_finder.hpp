@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "common/semantics/floor.hpp"
-#include "common/semantics/islands.hpp"
 #include "common/semantics/types.hpp"
 
 namespace modslam {
@@ -18,10 +17,8 @@ struct ObjectMap {
   cv::Mat1b mask;                  ///< cells that belong to an object, on the grid of the known space
 };
 
-/// Islands of not-free cells, surrounded by free floor, of at most max_m2.
-ObjectMap find_objects(const KnownSpace& space, const Floor& floor, double max_m2);
-
-/// Keeps the objects in step with a floor whose `closed` or `solid` changed. @return where the mask changed.
-Boxes update_objects(ObjectMap& map, const KnownSpace& space, const Floor& floor, double max_m2, const Boxes& changed);
+/// Keeps the objects in step with a space that changed. @param islands  those of not-free cells, surrounded by free floor, that met the change: some are
+/// objects. @return where the mask changed.
+Boxes update_objects(ObjectMap& map, const KnownSpace& space, const Floor& floor, const Boxes& changed, const std::vector<Island>& islands);
 
 }  // namespace modslam

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 #include "common/semantics/cut_features.hpp"
@@ -16,6 +17,7 @@ constexpr int kPerCorner = 6;            // shortest cuts kept from each corner
 constexpr double kNarrowest_m = 0.3, kTwins_m = 0.12, kNear_m = 0.2;
 constexpr double kHalo_m = 1.05;         // of a block's outline
 constexpr double kFarthestLook_m = 4.3;
+constexpr int kAtWall = 6;               // [cells] of a wall at the end of a cut
 
 auto order_of(const Vec& p) { return std::pair(p.x(), p.y()); }
 auto order_of(const FloorCut& cut) { return std::tuple(cut.length(), cut.a.x(), cut.a.y(), cut.b.x(), cut.b.y()); }
@@ -132,43 +134,51 @@ Boxes OpeningMap::recollect(const Floor& floor, const Boxes& changed) {
   return news;
 }
 
+double OpeningMap::narrowest_near(const Index& index, const FloorCut& cut, double cell_m) const {
+  double narrowest = cut.length();
+  for (const Block* other : around(index))
+    for (const FloorCut& near : other->cuts) {
+      if (near.length() >= narrowest) break;  // shortest first
+      if ((near.centre() - cut.centre()).norm() < 0.5 * cut.length() + kNear_m / cell_m) narrowest = near.length();
+    }
+  return narrowest;
+}
+
+/// Measures anew what lies near a change, and of the rest the walls where they changed.
+void OpeningMap::measure(const Index& index, const CutFeatures& features, const KnownSpace& space, const Boxes& changed, const Boxes& walls_changed) {
+  Block& block = blocks_.at(index);
+  const double cell_m = space.resolution_m;
+  std::vector<Opening> openings;
+  for (const FloorCut& cut : block.cuts) {
+    const Vec a = space.origin_m + cell_m * (cut.a + Vec(0.5, 0.5)), b = space.origin_m + cell_m * (cut.b + Vec(0.5, 0.5));
+    const auto known = std::find_if(block.openings.begin(), block.openings.end(), [&](const Opening& o) { return o.a == a && o.b == b; });
+    bool news = known == block.openings.end() || meet(changed, CutFeatures::reach(cut, cell_m));
+    openings.push_back(news ? features.measure(cut, narrowest_near(index, cut, cell_m)) : *known);
+    if (!news && (meet(walls_changed, grown(box_of(cut.a, cut.a), kAtWall)) || meet(walls_changed, grown(box_of(cut.b, cut.b), kAtWall))))
+      news = features.measure_walls(openings.back());
+    if (news) openings.back().probability = model_.probability(openings.back().features.data());
+  }
+  block.openings = std::move(openings);
+}
+
 void OpeningMap::update(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const FloorChange& change, const Boxes& walls_changed) {
   if (floor.open.empty()) return;
   Boxes corners = retrace(floor, change.open);
   corners.insert(corners.end(), change.open.begin(), change.open.end());
   Boxes changed = recollect(floor, corners);
-  for (const Boxes* more : {&change.open, &change.clearance, &change.solid, &walls_changed}) changed.insert(changed.end(), more->begin(), more->end());
+  for (const Boxes* more : {&change.open, &change.clearance, &change.solid}) changed.insert(changed.end(), more->begin(), more->end());
 
-  const double cell_m = floor.resolution_m;
-  const int look = static_cast<int>((max_width_m_ + std::max(kFarthestLook_m, 4 * max_width_m_)) / cell_m) + 4;
-  std::vector<Wall> near_walls;
-  std::vector<std::pair<const Index, Block>*> stirred;
-  for (auto& entry : blocks_)
-    if (meet(changed, grown(entry.second.box, look))) stirred.push_back(&entry);
-  for (const Wall& wall : walls)
-    if (std::any_of(stirred.begin(), stirred.end(), [&](const auto* entry) { return meet(grown(entry->second.box, look), box_of((wall.a - space.origin_m) / cell_m, (wall.b - space.origin_m) / cell_m)); }))
-      near_walls.push_back(wall);
-  const CutFeatures features(floor, space, near_walls);
-  for (auto* entry : stirred) {
-    Block& block = entry->second;
-    std::vector<Opening> openings;
-    const std::vector<const Block*> neighbours = around(entry->first);
-    for (std::size_t k = 0; k < block.cuts.size(); ++k) {
-      const FloorCut& cut = block.cuts[k];
-      const Vec a = space.origin_m + cell_m * (cut.a + Vec(0.5, 0.5)), b = space.origin_m + cell_m * (cut.b + Vec(0.5, 0.5));
-      const auto known = std::find_if(block.openings.begin(), block.openings.end(), [&](const Opening& o) { return o.a == a && o.b == b; });
-      if (known != block.openings.end() && !meet(changed, CutFeatures::reach(cut, cell_m))) {
-        openings.push_back(*known);
-        continue;
-      }
-      double narrowest = cut.length();
-      for (const Block* other : neighbours)
-        for (const FloorCut& near : other->cuts)
-          if (near.length() < narrowest && (near.centre() - cut.centre()).norm() < 0.5 * cut.length() + kNear_m / cell_m) narrowest = near.length();
-      openings.push_back(features.measure(cut, narrowest));
-      openings.back().probability = model_.probability(openings.back().features.data());
-    }
-    block.openings = std::move(openings);
+  const CutFeatures features(floor, space, walls);
+  const int reach = static_cast<int>(max_width_m_ / floor.resolution_m) + 2;
+  const int look = reach + static_cast<int>(std::max(kFarthestLook_m, 4 * max_width_m_) / floor.resolution_m) + 2;
+  const auto near = [](const Boxes& boxes, const cv::Rect& box) {
+    Boxes out;
+    std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(out), [&](const cv::Rect& other) { return meet(other, box); });
+    return out;
+  };
+  for (const auto& [index, block] : blocks_) {
+    const Boxes changed_here = near(changed, grown(block.box, look)), walls_here = near(walls_changed, grown(block.box, reach + kAtWall));
+    if (!changed_here.empty() || !walls_here.empty()) measure(index, features, space, changed_here, walls_here);
   }
 }
 

@@ -48,6 +48,8 @@ struct FloorCut {
   Eigen::Vector2d centre() const { return 0.5 * (a + b); }
 };
 
+class CutFeatures;
+
 /// Keeps the openings of a floor in step with it, block by block: a cut belongs to the block of its first corner.
 class OpeningMap {
  public:
@@ -72,6 +74,8 @@ class OpeningMap {
   Boxes retrace(const Floor& floor, const Boxes& open);
   Boxes recollect(const Floor& floor, const Boxes& changed);
   std::vector<const Block*> around(const Index& index) const;
+  double narrowest_near(const Index& index, const FloorCut& cut, double cell_m) const;
+  void measure(const Index& index, const CutFeatures& features, const KnownSpace& space, const Boxes& changed, const Boxes& walls_changed);
 
   double max_width_m_;
   OpeningModel model_;

@@ -10,6 +10,9 @@ namespace {
 constexpr double kBin_m = LineSums::kBin_m;
 constexpr double kLongEnough_m2 = 0.04;  // variance along it from which on the points tell a line's direction
 
+/// To whole millimetres: a wall does not change with every scan that shows it once more.
+Eigen::Vector2d to_grid(const Eigen::Vector2d& p) { return {1e-3 * std::round(1e3 * p.x()), 1e-3 * std::round(1e3 * p.y())}; }
+
 }  // namespace
 
 Band::Band(const WallBlocks::Index& block, const WallBlocks::LineKey& key, const LineSums& sums) {
@@ -81,8 +84,8 @@ WallBand Band::walls(const WallMapOptions& options, const std::function<bool(con
   const auto close = [&] {
     if (end - start < options.min_length_m) return;
     Wall wall;
-    wall.a = mean_ + start * direction_;
-    wall.b = mean_ + end * direction_;
+    wall.a = to_grid(mean_ + start * direction_);
+    wall.b = to_grid(mean_ + end * direction_);
     wall.sigma_m = sigma_m_;
     band.walls.push_back(wall);
   };

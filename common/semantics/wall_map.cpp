@@ -97,13 +97,20 @@ std::vector<std::vector<WallMap::Member>> WallMap::chains() const {
   return out;
 }
 
-std::vector<WallBand> WallMap::walls_of(const std::vector<Member>& chain, const IsSolid& is_solid, const Finish& finish) const {
+std::vector<WallBand> WallMap::walls_of(const std::vector<Member>& chain, const IsSolid& is_solid, const Finish& finish) {
   std::vector<Band> bands;
   for (const Member& member : chain) bands.push_back(band(member));
   std::vector<WallBand> out;
   for (const Band& one : joined(std::move(bands), options_)) {
     WallBand walls = one.walls(options_, is_solid);
-    for (Wall& wall : walls.walls) finish(wall);
+    for (Wall& wall : walls.walls) {
+      const double sigma_m = wall.sigma_m;
+      wall = finished_.ask({wall.a.x(), wall.a.y(), wall.b.x(), wall.b.y()}, plan_box(wall.a, wall.b, kAround_m), [&] {
+        finish(wall);
+        return wall;
+      });
+      wall.sigma_m = sigma_m;
+    }
     if (!walls.walls.empty()) out.push_back(std::move(walls));
   }
   return out;
@@ -120,6 +127,7 @@ std::vector<WallBand> WallMap::update(const IsSolid& is_solid, const Finish& fin
   }
   for (const Index& index : relink) find_links(index);
   walls_.forget(stirred);
+  finished_.forget(stirred);
   std::vector<WallBand> out;
   for (const std::vector<Member>& chain : chains()) {
     Eigen::Vector2d low(1e300, 1e300), high(-1e300, -1e300);

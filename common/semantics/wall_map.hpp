@@ -4,6 +4,8 @@
 /// Lines of one block that are one line become a band, bands of neighbouring blocks that go on in each other become one; a wall is a stretch of a band
 /// that enough scans have seen. After a change only its blocks, and the bands that run through them, are worked out again.
 #pragma once
+#include <array>
+
 #include "common/semantics/memo.hpp"
 #include "common/semantics/wall_band.hpp"
 
@@ -34,7 +36,7 @@ class WallMap {
   void find_bands(const Index& index);
   void find_links(const Index& index);
   std::vector<std::vector<Member>> chains() const;
-  std::vector<WallBand> walls_of(const std::vector<Member>& chain, const IsSolid& is_solid, const Finish& finish) const;
+  std::vector<WallBand> walls_of(const std::vector<Member>& chain, const IsSolid& is_solid, const Finish& finish);
   const Band& band(const Member& member) const { return bands_.at(member.first)[static_cast<std::size_t>(member.second)]; }
 
   WallMapOptions options_;
@@ -42,6 +44,7 @@ class WallMap {
   std::map<Index, std::vector<Band>> bands_;
   std::map<Index, Links> links_;            ///< from a block to those after it
   Memo<std::vector<Member>, std::vector<WallBand>> walls_;
+  Memo<std::array<double, 4>, Wall> finished_;   ///< by both ends: of a long band with news at one end most walls stay
 };
 
 /// Box of cells of 0.05 m from the map's origin around two corners.

@@ -19,6 +19,7 @@ annotate() {
 # [FOLDER] with maps/, plans/, robot_maps/: what is missing is left out. Tours of config/worlds are always driven.
 bench_semantics() {
   install_packages config/debian-packages-semantics.txt
+  ensure_built semantics-bench
   /usr/bin/python3 tests/bench/semantics/bench.py "$BUILD" "$(semantic_data "${1:-}")" logs/bench/semantics
   write_section semantics logs/bench/semantics/semantics.md
 }

@@ -98,6 +98,23 @@ def table(head, rows):
     return "\n".join(lines), mean[1:]
 
 
+def cost(binary, out):
+    """CPU milliseconds against the size of generated buildings, as a table; "" where the program was not built."""
+    program, figures = os.path.join(binary, "semantics-bench"), os.path.join(out, "cost.json")
+    if not os.path.exists(program):
+        print(f"{program}: not there; no cost measured")
+        return ""
+    run(program, "--json", figures)
+    with open(figures) as f:
+        rows = json.load(f)
+    lines = ["Cost: generated buildings, CPU milliseconds on one core; median, 95th percentile. Update: the layers after each of the last 100 scans.", "",
+             "| rooms | nodes | rooms found, with corridors | scan insertion | update | after a loop moved a tenth | full render |", "|---|---|---|---|---|---|---|"]
+    for r in rows:
+        pair = lambda key: f"{r[key]['median']:.2g}, {r[key]['p95']:.2g}"
+        lines.append(f"| {r['rooms']} | {r['nodes']} | {r['found_rooms']} | {pair('insert_ms')} | {pair('update_ms')} | {r['after_loop_ms']:.0f} | {r['render_ms']:.0f} |")
+    return "\n".join(lines) + "\n"
+
+
 def section(tours, found):
     text = ["One parameter set; the trees that judge openings were trained on these buildings. All figures in per cent: rooms match at half overlap, doors within",
             "0.5 m, walls within 0.10 m by length.", ""]
@@ -147,7 +164,7 @@ def main():
         print(f"{args.data}/maps: not there; no finished maps annotated")
     with open(os.path.join(out, "semantics.json"), "w") as f:
         json.dump({"tours": dict(tours), "maps": found}, f, indent=1, default=float)
-    text = section(tours, found)
+    text = section(tours, found) + "\n" + cost(binary, out)
     with open(os.path.join(out, "semantics.md"), "w") as f:
         f.write(text)
     print(text)

@@ -27,6 +27,15 @@ Partition parted(const KnownSpace& space) {
   return part_floor(floor, space, {}, find_openings(floor, space, {}, 3.5, OpeningModel()), {});
 }
 
+ObjectMap objects_of(const KnownSpace& space) {
+  const Boxes all{cv::Rect({0, 0}, space.occupancy.size())};
+  Floor floor;
+  ObjectMap objects;
+  const FloorChange change = update_floor(floor, space, 14, all);
+  if (!space.empty()) update_objects(objects, space, floor, all, change.islands);
+  return objects;
+}
+
 std::vector<Room> rooms_of(const KnownSpace& space) { return find_rooms(parted(space), make_floor(space, 14), space, {}); }
 
 /// 10 x 6 m of floor, cut at x = 6 by a wall of 0.2 m with a door from y = 2 to 2.9; a margin of 1 m unknown.
@@ -156,7 +165,7 @@ TEST_CASE("a box of a car's size that stands free is a car; a pillar is a pillar
   test::fill(space, 0.5, 0.5, 11.5, 9.5, test::kFree);
   test::fill_thing(space, 3, 3, 7.4, 4.8);
   test::fill(space, 9, 7, 9.4, 7.4, test::kSolid);
-  const ObjectMap found = find_objects(space, make_floor(space, 14), 14);
+  const ObjectMap found = objects_of(space);
   REQUIRE(found.objects.size() == 2);
   REQUIRE(found.objects[0].object.class_name == "car");
   REQUIRE(found.objects[0].object.area_m2 == Approx(4.4 * 1.8).epsilon(0.05));
@@ -171,10 +180,10 @@ TEST_CASE("a long thin island is a piece of wall, a big block is building, a sha
   test::fill(space, 2, 2, 4, 2.2, test::kSolid);
   test::fill_thing(space, 5, 4, 9.5, 8.5);
   test::fill(space, 2, 6, 3, 7, test::kUnknown);
-  const ObjectMap found = find_objects(space, make_floor(space, 14), 14);
+  const ObjectMap found = objects_of(space);
   REQUIRE(found.objects.empty());
   REQUIRE(cv::countNonZero(found.mask) == 0);
-  REQUIRE(find_objects(KnownSpace(0.1), Floor(), 14).objects.empty());
+  REQUIRE(objects_of(KnownSpace(0.1)).objects.empty());
 }
 
 TEST_CASE("a small nook without walls around it joins the room it opens to") {
