@@ -93,7 +93,7 @@ start_run() {
   mkdir -p "$(dirname "$CURRENT")"
   printf '%s=%q\n' OUT "$OUT" PORT "$PORT" URL "$LCM_DEFAULT_URL" PAGE_PORT "${PAGE_PORT:-}" SUPERVISOR_PID "$SUPERVISOR_PID" LAUNCHER_PID $$ PROCESSES "${first[*]} ${late[*]:-}" >"$CURRENT"
   cp "$CURRENT" "$OUT/run.env"
-  wait_for "$BIN/modslam-conduct" --timeout 20 up "${first[@]}" ||
+  wait_for "$BIN/modslam-conduct" --timeout 30 up "${first[@]}" ||
     { tail -n 5 "$OUT"/log/*.log >&2; die "not all processes started; their logs are in $OUT/log"; }
   for name in "${late[@]}"; do supervisor_control start "$name" >/dev/null; done
 }
