@@ -124,6 +124,7 @@ choose_processes() {
   first=("${chosen[@]}") late=("${chosen_late[@]}")
 }
 
+# Behind a hub a process is silent as long as another one is slow: the watchdog is more patient there.
 write_supervisor_file() {
   cat <<INI
 [supervisord]
@@ -138,7 +139,7 @@ serverurl=unix://$SOCKET_DIR/supervisor.sock
 [rpcinterface:supervisor]
 supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
 [eventlistener:watchdog]
-command="$BIN/modslam-watchdog" --supervisor "$SOCKET_DIR/supervisor.sock"
+command="$BIN/modslam-watchdog" --supervisor "$SOCKET_DIR/supervisor.sock" --patience $([[ $BUS == udp ]] && echo 5 || echo 60)
 events=PROCESS_STATE
 buffer_size=100
 priority=1
