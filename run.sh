@@ -47,7 +47,7 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
   ./run.sh evaluate ...                       scores: --relations, --truth, --semantic (evaluate --help)
   ./run.sh optimize FILE.g2o [--robust] [--method toro] [--out OUT.g2o] [--json OUT.json]
                                               a pose graph to its optimum, with a proof where there is one
-  ./run.sh bench NAME                         graph, slam, semantics, viewer, bus: measured anew, written to docs/benchmarks.md;
+  ./run.sh bench NAME                         graph, slam, semantics, viewer, bus, soak: measured anew, written to docs/benchmarks.md;
                                               peers DIR: MRPT's rbpf-slam and icp-slam on a run's log, drawn in its report
   ./run.sh report DIR...                      make the results in a run's folder from its run.lcm again;
                                               of several: comparison.html, their errors, run times and parameters

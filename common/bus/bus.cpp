@@ -52,7 +52,7 @@ bool hub_answers(const std::string& url) {
 
 Transport::Transport(const std::string& url) {
   const bool hub = lossless_ = url.rfind("tcpq://", 0) == 0;
-  for (int tries = 50; hub && !hub_answers(url); --tries) {
+  for (int tries = 180; hub && !hub_answers(url); --tries) {
     if (tries == 0) throw std::runtime_error("LCM cannot open '" + url + "': is the hub running?");
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }

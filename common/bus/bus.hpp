@@ -35,7 +35,7 @@ class Transport {
  public:
   using RawHandler = std::function<void(const std::string& channel, const void* bytes, int size)>;
 
-  /// Waits some seconds for a TCP hub that is just being started. @throws std::runtime_error when LCM cannot open the url.
+  /// Waits up to 18 s for a TCP hub that is just being started (Java, on a machine that may be busy). @throws std::runtime_error when LCM cannot open the url.
   explicit Transport(const std::string& url);
   ~Transport();
   Transport(const Transport&) = delete;

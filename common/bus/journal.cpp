@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/bus/journal.hpp"
 
+#include <malloc.h>
+
 #include <chrono>
 #include <filesystem>
 
@@ -27,6 +29,11 @@ Journal::Journal(const JournalConfig& config, const std::string& process, Mode m
     }
   }
   if (mode == kAppend) writer_ = std::make_unique<LogWriter>(path, LogWriter::kAppend);
+}
+
+void Journal::forget_past() {
+  past_ = {};
+  malloc_trim(0);  // to the system: a long run's journal is large
 }
 
 void Journal::write(const std::string& channel, const void* bytes, int size) {

@@ -32,7 +32,7 @@ class Journal {
   /// [us] of wall time when the last of it was written; 0 when there is none.
   std::int64_t last_us() const { return past_.empty() ? 0 : past_.back().utime; }
   /// Gives the memory back once the past has been read.
-  void forget_past() { past_ = {}; }
+  void forget_past();
 
   bool on() const { return writer_ != nullptr; }
   void write(const std::string& channel, const void* bytes, int size);

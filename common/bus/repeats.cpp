@@ -55,7 +55,7 @@ void KeptMessages::keep(const std::string& channel, const void* bytes, int size)
   std::deque<Copy>& copies = copies_[channel];
   const std::int64_t place = place_of(channel, bytes, size);
   if (number_at(channel) && !copies.empty() && place <= copies.back().place) copies.clear();  // numbers begin anew
-  copies.push_back({place, copy(bytes, size)});
+  copies.push_back({place, copy(bytes, size), -kSameQuestion_us});
   if (copies.size() > kCopies) copies.pop_front();
 }
 
@@ -70,9 +70,11 @@ std::vector<repeat_t> KeptMessages::answer(const repeat_request_t& request, std:
   repeat_t message{};
   message.channel = request.channel;
   message.previous = -1;
-  for (const Copy& copy : kept->second) {
+  for (Copy& copy : kept->second) {
     message.place = copy.place;
-    const bool wanted = copy.place > request.after && copy.place < request.before;
+    bool wanted = copy.place > request.after && copy.place < request.before;
+    if (wanted && now_us - copy.said_us < kSameQuestion_us) wanted = false;  // to somebody else, for all to hear
+    if (wanted) copy.said_us = now_us;
     message.data = wanted ? copy.bytes : std::vector<std::uint8_t>();
     message.nbytes = static_cast<std::int32_t>(message.data.size());
     if (wanted || copy.place == request.before) answers.push_back(message);
@@ -110,7 +112,9 @@ bool StreamRepair::take(const std::string& channel, const void* bytes, int size)
   if (stream.kept && is_known(channel, stream, place, hash)) return true;
   see(stream, place, hash, true);
   if (stream.kept && place <= stream.last) step_back(channel, stream);
-  if (!stream.kept || stream.as_they_come > 0 || (stream.held.empty() && follows(channel, stream, place))) {
+  const bool as_it_comes = !stream.kept || stream.as_they_come > 0;
+  while (as_it_comes && !stream.held.empty()) pass(channel, stream);  // never overtaken
+  if (as_it_comes || (stream.held.empty() && follows(channel, stream, place))) {
     stream.as_they_come = std::max(0, stream.as_they_come - 1);
     went_by(stream, place);
     return false;
@@ -199,7 +203,7 @@ bool StreamRepair::lacks_mount(const std::string& channel) const {
 void StreamRepair::advance(const std::string& channel, Stream& stream) {
   while (!stream.held.empty() && follows(channel, stream, stream.held.begin()->first)) pass(channel, stream);
   if (stream.held.empty()) {
-    stream.blocked_us = 0;
+    stream.blocked_us = stream.asked_us = 0;
     stream.previous.clear();
     return;
   }
@@ -212,7 +216,8 @@ void StreamRepair::pass(const std::string& channel, Stream& stream) {
   const Bytes bytes = std::move(first->second);
   went_by(stream, first->first);
   stream.held.erase(first);
-  stream.blocked_us = stream.asked_us = 0;
+  stream.blocked_us = 0;
+  if (stream.asked_us != 0) stream.asked_us = now_us_;  // the rest of the answer is on its way: patience
   bus_.pass_on(channel, bytes.data(), static_cast<int>(bytes.size()));
   if (channel == channel::kSensorInfo) advance(channel::kLaser, streams_[channel::kLaser]);
 }
@@ -245,7 +250,10 @@ void StreamRepair::ask(const std::string& channel, Stream& stream, std::int64_t 
 void StreamRepair::tick(std::int64_t now_us) {
   now_us_ = now_us;
   for (auto& [channel, stream] : streams_) {
-    if (stream.tail && now_us - stream.tail_us > kPatience_us) stream.tail = stream.kept = false;  // until its speaker is heard again
+    if (stream.tail && now_us - stream.tail_us > kPatience_us) {
+      stream.tail = false;
+      stream.kept = !stream.held.empty();  // until its speaker is heard again
+    }
     if (stream.held.empty()) {
       if (stream.tail && now_us - stream.asked_us > kAskAgain_us) ask(channel, stream, kStillToCome);
       continue;

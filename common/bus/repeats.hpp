@@ -32,6 +32,7 @@ class KeptMessages {
   struct Copy {
     std::int64_t place;
     std::vector<std::uint8_t> bytes;
+    std::int64_t said_us;  ///< when it was repeated
   };
   struct Answered {
     std::int64_t after = 0, before = 0, at_us = 0;

@@ -146,7 +146,10 @@ class GraphOptimizerModule : public Module {
   /// Whether a part of what belongs to a match was lost on the way and is being repeated, or was overtaken by the match behind a hub.
   bool awaits_sources(const scan_match_t& match) {
     const auto scan = std::find_if(scans_.begin(), scans_.end(), [&](const WaitingScan& w) { return w.scan.utime == match.utime; });
-    if (bus_.is_lossless()) return scan == scans_.end() || (!scan->T_odom_base && odometry_may_come(scan->scan.utime));
+    if (bus_.is_lossless()) {
+      if (scan == scans_.end()) return scans_.empty() || scans_.back().scan.utime < match.utime;  // else it came while this process was dead
+      return !scan->T_odom_base && odometry_may_come(scan->scan.utime);
+    }
     if (scan != scans_.end())
       return (!scan->T_odom_base && bus_.awaits(channel::kOdometry)) || (!scan->T_ins_base && bus_.awaits(channel::kIns));
     bus_.suspect(channel::kLaser);

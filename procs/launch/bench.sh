@@ -68,3 +68,15 @@ bench_viewer() {
   python3 tests/viewer/viewer_bench.py "$BIN" --json logs/bench/viewer.json --markdown logs/bench/viewer.md
   write_section viewer logs/bench/viewer.md
 }
+
+# Latency at 40 Hz, CPU and memory at 10 Hz: a demo in real time each.
+bench_bus() {
+  { printf '| real time, all processes | |\n|---|---|\n'
+    python3 tests/bench/bus.py "$BUILD" latency | grep '^|'
+    python3 tests/bench/bus.py "$BUILD" load | grep '^|'
+  } | tee logs/bench/bus.md
+  write_section bus logs/bench/bus.md
+}
+
+# Ten passes of an hour over one drive, there and back: what each process needs after each pass.
+bench_soak() { python3 tests/bench/soak.py "$BUILD"; }

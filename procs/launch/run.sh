@@ -93,7 +93,7 @@ start_run() {
   mkdir -p "$(dirname "$CURRENT")"
   printf '%s=%q\n' OUT "$OUT" PORT "$PORT" URL "$LCM_DEFAULT_URL" PAGE_PORT "${PAGE_PORT:-}" SUPERVISOR_PID "$SUPERVISOR_PID" LAUNCHER_PID $$ PROCESSES "${first[*]} ${late[*]:-}" >"$CURRENT"
   cp "$CURRENT" "$OUT/run.env"
-  wait_for "$BIN/modslam-conduct" --timeout 20 up "${first[@]}" ||
+  wait_for "$BIN/modslam-conduct" --timeout 30 up "${first[@]}" ||
     { tail -n 5 "$OUT"/log/*.log >&2; die "not all processes started; their logs are in $OUT/log"; }
   for name in "${late[@]}"; do supervisor_control start "$name" >/dev/null; done
 }
@@ -124,6 +124,7 @@ choose_processes() {
   first=("${chosen[@]}") late=("${chosen_late[@]}")
 }
 
+# Behind a hub a process is silent as long as another one is slow: the watchdog is more patient there.
 write_supervisor_file() {
   cat <<INI
 [supervisord]
@@ -138,7 +139,7 @@ serverurl=unix://$SOCKET_DIR/supervisor.sock
 [rpcinterface:supervisor]
 supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
 [eventlistener:watchdog]
-command="$BIN/modslam-watchdog" --supervisor "$SOCKET_DIR/supervisor.sock"
+command="$BIN/modslam-watchdog" --supervisor "$SOCKET_DIR/supervisor.sock" --patience $([[ $BUS == udp ]] && echo 5 || echo 60)
 events=PROCESS_STATE
 buffer_size=100
 priority=1

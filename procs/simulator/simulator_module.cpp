@@ -99,7 +99,7 @@ class SimulatorModule : public Module {
   void publish_state() {
     const SimulationState& state = simulation_.state();
     bus_.saw_utime(simulation_.utime());
-    journal_.write(channel::kSimState, to_message(state));
+    journal_.write("SIM_STATE", to_message(state));
     bus_.publish(channel::kSimState, to_message(state));
     if (info_period_.due(state.step)) publish_info();
     if (!truth_period_.due(state.step)) return;

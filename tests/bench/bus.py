@@ -64,17 +64,18 @@ def latency():
         elif channel == "POSE" and stamp in heard:
             waits_ms.append(1e-3 * (utime - heard[stamp]))
     waits_ms.sort()
-    print(f"LASER to POSE at 40 Hz, {len(waits_ms)} scans: p50 {share(waits_ms, 0.5):.2f} ms, p99 {share(waits_ms, 0.99):.2f} ms, "
-          f"largest {waits_ms[-1]:.1f} ms")
+    print(f"| from LASER to POSE at 40 Hz, {len(waits_ms)} scans: p50, p99, largest | {share(waits_ms, 0.5):.2f}, {share(waits_ms, 0.99):.2f}, "
+          f"{waits_ms[-1]:.1f} ms |")
+    print(f"| the machine's load meanwhile (processes that want one of its {os.cpu_count()} cores) | {os.getloadavg()[0]:.1f} |")
 
 
 def load():
     _, used = drive("laser.rate_hz=10")
-    for name, (part, memory) in sorted(used.items()):
-        print(f"| {name} | {100 * part:.1f} % | {memory:.0f} MB |")
     simulated = ("modslam-simulator", "modslam-laser", "modslam-odometry", "modslam-ins")
-    print(f"all {100 * sum(part for part, _ in used.values()):.1f} % of one core, without the simulated world "
-          f"{100 * sum(part for name, (part, _) in used.items() if name not in simulated):.1f} %")
+    print(f"| CPU of all processes at 10 Hz, and without the simulated world | {100 * sum(part for part, _ in used.values()):.1f}, "
+          f"{100 * sum(part for name, (part, _) in used.items() if name not in simulated):.1f} % of one core |")
+    for name, (part, memory) in sorted(used.items()):
+        print(f"| {name} at 10 Hz | {100 * part:.1f} %, {memory:.0f} MB |")
 
 
 if __name__ == "__main__":

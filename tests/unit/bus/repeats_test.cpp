@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/bus/repeats.hpp"
 
+#include <algorithm>
 #include <bot_core/pose_t.hpp>
 #include <catch2/catch.hpp>
 #include <limits>
@@ -94,6 +95,35 @@ TEST_CASE("what was lost is repeated and all is handled in order; the loss stays
   pair.answer();
   REQUIRE(pair.heard == up_to(30));  // the last one, that no later one told of
   REQUIRE_FALSE(pair.bus.awaits("ODOMETRY"));
+}
+
+TEST_CASE("a long gap is asked for once and again for what the answer left out, not after every message of it") {
+  Pair pair;
+  for (std::int64_t k = 1; k <= 10; ++k) pair.say(k), pair.answer();
+  for (std::int64_t k = 11; k <= 400; ++k) pair.say(k, false);
+  pair.say(401);
+  std::size_t questions = 0;
+  for (int k = 0; k < 40; ++k) {
+    questions += pair.asked.size();
+    pair.answer(), pair.wait(10'000);
+  }
+  REQUIRE(pair.heard == up_to(401));
+  REQUIRE(questions <= 6);
+  REQUIRE(pair.answers < 450);
+}
+
+TEST_CASE("what waits behind a gap is not overtaken when a question about the newest stays without an answer") {
+  Pair pair;
+  for (std::int64_t k = 1; k <= 10; ++k) pair.say(k), pair.answer();
+  pair.repair.suspect("ODOMETRY");
+  pair.asked.clear();
+  pair.wait(900'000);
+  pair.hear(13), pair.hear(14);
+  pair.wait(300'000);
+  pair.hear(30), pair.hear(31);
+  pair.wait(2'000'000);
+  REQUIRE(std::is_sorted(pair.heard.begin(), pair.heard.end()));
+  REQUIRE(pair.heard.back() == 31);
 }
 
 TEST_CASE("answers that get lost too are asked for again, also after a second without any") {
