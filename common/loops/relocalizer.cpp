@@ -30,12 +30,21 @@ constexpr double kOnWall = 0.9, kThroughWall = 0.02;    // probability of a poin
 constexpr double kSurePosterior = 0.99, kSureOverlap = 0.7, kSureWorst = 0.5, kSureViolation = 0.10;
 constexpr double kSureWay_m = 3.5;                      // driven since the first scan that is kept; a radian counts half a metre
 constexpr std::size_t kSureScans = 6;
+constexpr double kMapSpacing_m = 0.08;                  // of one node's points: the map is made of many
 
 template <class Point>
 std::vector<Point> thin_out(const std::vector<Point>& points, std::size_t most) {
   std::vector<Point> chosen;
   const std::size_t step = std::max<std::size_t>(1, points.size() / most);
   for (std::size_t k = 0; k < points.size(); k += step) chosen.push_back(points[k]);
+  return chosen;
+}
+
+/// Drops what lies nearer than `spacing_m` to the last point kept. A scan is sparse far away and crowded near by.
+std::vector<OrientedPoint> thin_out_by(const std::vector<OrientedPoint>& points, double spacing_m) {
+  std::vector<OrientedPoint> chosen;
+  for (const OrientedPoint& point : points)
+    if (chosen.empty() || (chosen.back().p - point.p).norm() >= spacing_m) chosen.push_back(point);
   return chosen;
 }
 
@@ -51,7 +60,7 @@ void Relocalizer::add_node(NodeId id, const Pose2& T_map_base, const Scan& scan,
 
 void Relocalizer::add_node(NodeId id, Keyframe node) {
   if (prepared_) throw std::logic_error("the map of a relocalizer is complete once it was asked");
-  nodes_.push_back(std::move(node));
+  nodes_.push_back({node.T_map_base, thin_out_by(node.points_base, kMapSpacing_m), node.eye_base});
   ids_.push_back(id);
 }
 
@@ -68,6 +77,7 @@ void Relocalizer::prepare() {
   map_.build(all, kBlur_m, 1.0);
   wide_grid_.build(walls, kWideBlur_m, 0.2);
   grid_.build(walls, kBlur_m, kPlaceSpacing_m);
+  for (Keyframe& node : nodes_) node.points_base = {};  // they are in the map now
   std::set<std::pair<int, int>> taken;
   for (const Keyframe& node : nodes_)
     for (const Eigen::Vector2d& aside : {Eigen::Vector2d(0, 0), Eigen::Vector2d(1, 0), Eigen::Vector2d(-1, 0), Eigen::Vector2d(0, 1), Eigen::Vector2d(0, -1)}) {

@@ -13,6 +13,7 @@ namespace modslam {
 namespace {
 
 constexpr double kBeside_m = 0.6;      // a point in a doorway belongs to the room next to it
+constexpr double kStep_m = 4.0;         // between nodes of one way; they stand a third of a metre apart where the map is new
 constexpr std::size_t kLostNodes = 10;  // so many nodes in no room, and what came before is no neighbour
 
 double distance_to_outline(const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& p) {
@@ -96,7 +97,9 @@ void follow(const std::vector<Eigen::Vector2d>& path, Topology& topology) {
       if (++lost > kLostNodes) room = none;
       continue;
     }
-    if (room != none && room != now && !joined(topology, room, now)) topology.passages.push_back({0, room, now, 0.5 * (left + p)});
+    // Where the robot drove through known space no node was made: what lies far apart is not one step.
+    const bool one_step = (p - left).norm() < kStep_m;
+    if (room != none && room != now && one_step && !joined(topology, room, now)) topology.passages.push_back({0, room, now, 0.5 * (left + p)});
     room = now;
     left = p;
     lost = 0;

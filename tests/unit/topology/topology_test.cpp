@@ -106,6 +106,14 @@ TEST_CASE("where the path goes from room to room without a door there is an open
   REQUIRE(topology.room_of_node == std::vector<std::int64_t>{4, 4, 1, 1, 1, 4});
 }
 
+TEST_CASE("two nodes far apart are no step from room to room: between them the robot drove through known space") {
+  SemanticLayers layers = floor();
+  layers.doors.clear();
+  const Topology topology = build_topology(layers, {{11, 1}, {2, 4}});
+  REQUIRE(topology.room_of_node == std::vector<std::int64_t>{4, 1});
+  REQUIRE(topology.passages.empty());
+}
+
 TEST_CASE("the hierarchy is written from building over room to node") {
   const auto json = nlohmann::json::parse(topology_json(build_topology(floor(), {{1, 1}, {1, 4}, {50, 50}})));
   REQUIRE(json["buildings"].size() == 2);
