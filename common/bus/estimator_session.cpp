@@ -19,6 +19,14 @@ constexpr double kPolishSpacing_m = 0.05, kPlaceSpacing_m = 0.04;
 constexpr double kNothingNew = 0.75;       // share of a scan that lies on what the nodes around saw
 constexpr std::int32_t kUnrecognisedScans = 8;  // as kFailuresBeforeRestart of the scan matcher
 constexpr std::ptrdiff_t kEnoughReturns = 40;   // fewer: the laser is covered, and the wheels still tell the way
+constexpr double kStands_mps = 0.05, kStands_radps = 0.1, kStands_m = 0.002, kStands_rad = 0.002;
+
+/// Whether the wheels hardly turned in `dt_s`.
+bool stands(const std::vector<MotionMeasurement>& measurements, double dt_s) {
+  if (measurements.empty() || dt_s <= 0) return false;
+  const Pose2 motion = fuse(measurements).T_from_to;
+  return std::hypot(motion.x, motion.y) < kStands_m + kStands_mps * dt_s && std::abs(motion.heading) < kStands_rad + kStands_radps * dt_s;
+}
 constexpr std::size_t kPlaceNodes = 12;  // that a scan in known space is matched against: the nearest
 constexpr NodeId kNodesPerTick = 20;
 
@@ -89,7 +97,7 @@ void EstimatorSession::step(const Scan& scan, const SensorInfo& sensor,
   send();
 }
 
-/// After as many scans in a row that were not recognised as make the matcher begin anew, the robot may be anywhere.
+/// After as many scans that were not recognised while the wheels stood as make the matcher begin anew, the robot may be anywhere: somebody carried it.
 GraphEstimator::Step EstimatorSession::advance(const Scan& scan, const SensorInfo& sensor, const std::vector<MotionMeasurement>& measurements,
                                                Verdict verdict) {
   if (!places_) return estimator_.move(measurements);
@@ -97,7 +105,7 @@ GraphEstimator::Step EstimatorSession::advance(const Scan& scan, const SensorInf
   const bool was_lost = is_known && unrecognised_ >= kUnrecognisedScans;
   const auto returns = std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(), [&](float r) { return is_return(r, sensor); });
   if (is_known) unrecognised_ = 0;
-  else unrecognised_ += returns >= kEnoughReturns;
+  else unrecognised_ += returns >= kEnoughReturns && stands(measurements, 1e-6 * static_cast<double>(scan.utime - state_.utime));
   if (!was_lost) return estimator_.move(measurements, locator(scan, sensor), unrecognised_ == 0);
   ++breaks_;
   return estimator_.begin_apart();

@@ -91,7 +91,7 @@ class EstimatorSession {
   std::string trouble_;
   std::set<std::pair<NodeId, NodeId>> loops_seen_;
   std::vector<graph_node_t> nodes_;
-  std::int32_t unrecognised_ = 0;  ///< scans in a row
+  std::int32_t unrecognised_ = 0;  ///< scans since the last that was recognised, taken while the wheels stood
   std::int64_t breaks_ = 0;
   std::int64_t waiting_ = 0, refused_ = 0;
   std::int64_t size() const { return static_cast<std::int64_t>(nodes_.size()) + estimator_.accepted(); }
