@@ -83,14 +83,14 @@ std::optional<SensorInfo> EstimatorSession::sensor() const {
 void EstimatorSession::step(const Scan& scan, const SensorInfo& sensor,
                             const std::vector<MotionMeasurement>& measurements, Verdict verdict) {
   GraphEstimator::Step step = advance(scan, sensor, measurements, verdict);
-  if (estimator_.part_of_robot() != 0) {
-    verdict = Verdict::kAmbiguous;
-    step.covariance += Eigen::Vector3d(1e4, 1e4, 10).asDiagonal();
-  }
   bus_.saw_utime(scan.utime);
   state_.utime = scan.utime;
   put(state_.T_node_base, step.T_node_base);
   put(state_.covariance, step.covariance);
+  if (estimator_.part_of_robot() != 0) {  // in that part it is sure; where the part lies nobody knows
+    verdict = Verdict::kAmbiguous;
+    step.covariance += Eigen::Vector3d(1e4, 1e4, 10).asDiagonal();
+  }
   if (step.is_new_node) write_node(scan, sensor, step.node);
   write_changes();
   write_pose(scan.utime, step, verdict);
