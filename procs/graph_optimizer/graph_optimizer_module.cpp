@@ -235,7 +235,7 @@ class GraphOptimizerModule : public Module {
   OdometryModelConfig model_;
   bool lockstep_, worked_ = false, patient_ = true;
   std::deque<scan_match_t> matches_;
-  NodeId searched_ = -1;  ///< newest node that was searched for loops
+  NodeId searched_ = 0;  ///< newest node that was looked at for loops; the first one has nobody to be compared with
   std::int64_t blocked_since_us_ = 0;
   EstimatorSession session_;
   bool polish_;
