@@ -155,14 +155,10 @@ TEST_CASE("in lockstep the estimator takes no match before the newest node was s
   const auto& poses = stage.record<pose_estimate_t>(channel::kPose);
   Robot robot;
   for (int k = 0; k < 5; ++k) robot.step(stage);
-  REQUIRE(poses.size() == 1);  // the first scan is a node
-  REQUIRE_FALSE(estimator.complete());
-  loop_search_t searched{};
-  stage.bus("detector").publish(channel::kLoopSearch, searched);
-  stage.drain();
   const std::size_t freed = poses.size();
-  REQUIRE(freed > 1);
+  REQUIRE(freed > 1);  // the first node has nobody to be compared with
   REQUIRE(freed < 5);  // up to the next node
+  REQUIRE_FALSE(estimator.complete());
   estimator.tick(1'000'000);
   estimator.tick(1'900'000);
   stage.transport.poll(0);
