@@ -169,6 +169,24 @@ TEST_CASE("in lockstep the estimator takes no match before the newest node was s
   REQUIRE(estimator.complete());
 }
 
+TEST_CASE("in lockstep the word that the newest node was searched frees the matches that wait") {
+  SystemConfig config;
+  config.launch.lockstep = true;
+  Stage stage;
+  stage.host("scan_matcher", make_scan_matcher, config);
+  stage.host("graph_optimizer", make_graph_optimizer, config);
+  const auto& poses = stage.record<pose_estimate_t>(channel::kPose);
+  Robot robot;
+  for (int k = 0; k < 5; ++k) robot.step(stage);
+  const std::size_t freed = poses.size();
+  REQUIRE(freed < 5);
+  loop_search_t searched{};
+  searched.node = 1;
+  stage.bus("detector").publish(channel::kLoopSearch, searched);
+  stage.drain();
+  REQUIRE(poses.size() > freed);
+}
+
 TEST_CASE("a recorder that is made anew writes on and asks for the nodes behind what it has") {
   const TemporaryFolder folder;
   SystemConfig config;
