@@ -28,7 +28,7 @@ struct EstimatorConfig {
   double trusted_sigma_m = 0.35;
   std::int64_t confirmations = 2;
   double dcs_phi = 10.0;
-  double retract_chi2 = 60.0;
+  double retract_chi2 = 16.3;
   std::int64_t postpone = 10;
   double moved_m = 0.002;
   double moved_rad = 0.0005;
