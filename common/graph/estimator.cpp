@@ -264,7 +264,7 @@ void GraphEstimator::optimize(bool thoroughly) {
   options.stop_relative = thoroughly ? 1e-9 : 1e-3;
   do {
     if (config_.method == "toro")
-      optimize_toro(graph_, options);
+      thoroughly ? toro_.optimize(graph_, options) : toro_.update(graph_, options);
     else
       optimize_gauss_newton(graph_, options);
   } while (retract_worst());

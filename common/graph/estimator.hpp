@@ -12,6 +12,7 @@
 #include "common/config/visitor.hpp"
 #include "common/graph/known_space.hpp"
 #include "common/graph/pose_graph.hpp"
+#include "common/graph/toro.hpp"
 #include "common/loops/loop_detector.hpp"
 #include "common/motion/proposal.hpp"
 
@@ -139,6 +140,7 @@ class GraphEstimator {
   Anchorage robot_;
   Pose2 T_step_base_;
   std::deque<LoopProposal> waiting_;
+  Toro toro_;
   std::vector<Pose2> published_poses_;
   GraphChanges changes_;
   std::int64_t postponed_ = 0, epoch_ = 0, accepted_ = 0, retracted_ = 0, reused_ = 0;

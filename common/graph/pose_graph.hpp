@@ -51,7 +51,4 @@ void initialize_from_tree(PoseGraph& graph);
 /// Poses along the sequence edges, which lead from each node to the next; a node without one stands where the tree has it.
 void initialize_from_odometry(PoseGraph& graph);
 
-/// Stochastic descent in the tree parametrisation (Grisetti et al., RSS 2007), from the formulas of the paper.
-OptimizeResult optimize_toro(PoseGraph& graph, const OptimizeOptions& options);
-
 }  // namespace modslam

@@ -6,6 +6,8 @@
 #include <iomanip>
 #include <sstream>
 
+#include "common/graph/toro.hpp"
+
 namespace modslam {
 namespace {
 
@@ -29,7 +31,7 @@ void optimize_plainly(PoseGraph& graph, const OptimizeRequest& request, Optimize
   if (request.init == "tree") initialize_from_tree(graph);
   if (request.init == "odometry") initialize_from_odometry(graph);
   report.chi2_start = graph_chi2(graph);
-  const OptimizeResult result = request.method == "toro" ? optimize_toro(graph, options) : optimizer.optimize(graph, options);
+  const OptimizeResult result = request.method == "toro" ? Toro().optimize(graph, options) : optimizer.optimize(graph, options);
   report.iterations = result.iterations;
 }
 

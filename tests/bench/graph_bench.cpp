@@ -13,6 +13,7 @@
 #include "common/formats/graph_file.hpp"
 #include "common/graph/certificate.hpp"
 #include "common/graph/robust.hpp"
+#include "common/graph/toro.hpp"
 #include "tests/bench/yardsticks.hpp"
 #include "tests/support/false_loops.hpp"
 
@@ -71,7 +72,7 @@ Outcome ceres(const PoseGraph& start) {
 }
 
 Outcome toro(const PoseGraph& start, int sweeps, int repetitions) {
-  return timed(start, repetitions, [&](PoseGraph& graph) { return optimize_toro(graph, {sweeps, 0.0, 0.0}).iterations; });
+  return timed(start, repetitions, [&](PoseGraph& graph) { return Toro().optimize(graph, {sweeps, 0.0, 0.0}).iterations; });
 }
 
 Json to_json(const Outcome& outcome) { return {{"chi2", outcome.chi2}, {"ms", outcome.ms}, {"iterations", outcome.iterations}}; }
