@@ -50,6 +50,9 @@ class BlockCholesky {
   bool factorize(bool hold);
   /// @return x with A x = b.
   Vector solve(const Vector& b) const;
+  /// Diagonal blocks of A's inverse, in the order of variables. Only what the pattern holds of the inverse is computed (Takahashi, Fagan,
+  /// Chen 1973): a small multiple of factorize().
+  std::vector<Block> inverse_diagonal() const;
 
  private:
   // An even count of rows lets two rows be worked on at once.
@@ -150,6 +153,42 @@ typename BlockCholesky<Scalar, N>::Vector BlockCholesky<Scalar, N>::solve(const 
     x.template segment<N>(at(c)) = inverse_[static_cast<std::size_t>(c)].adjoint() * y;
   }
   for (int v = 0; v < n; ++v) out.template segment<N>(at(v)) = x.template segment<N>(at(pattern.place(v)));
+  return out;
+}
+
+template <class Scalar, int N>
+std::vector<typename BlockCholesky<Scalar, N>::Block> BlockCholesky<Scalar, N>::inverse_diagonal() const {
+  const BlockPattern& pattern = *pattern_;
+  const int n = pattern.variables();
+  std::vector<Block> Z_diagonal(diagonal_.size()), Z_below(below_.size(), Block::Zero()), W(below_.size());
+  std::vector<int> slot(diagonal_.size(), -1);  // of a row in column j
+  for (int j = n - 1; j >= 0; --j) {
+    const int first = pattern.begin(j), last = pattern.begin(j + 1);
+    const Block& L_inverse = inverse_[static_cast<std::size_t>(j)];
+    for (int e = first; e < last; ++e) {
+      slot[static_cast<std::size_t>(pattern.row(e))] = e;
+      W[static_cast<std::size_t>(e)] = below_[static_cast<std::size_t>(e)].template topRows<N>() * L_inverse;
+    }
+    // Z(i, j) = -sum over k of Z(i, k) W(k); rows i and k of one column have their block of Z in the pattern.
+    for (int e = first; e < last; ++e) {
+      const int k = pattern.row(e);
+      Z_below[static_cast<std::size_t>(e)] -= Z_diagonal[static_cast<std::size_t>(k)] * W[static_cast<std::size_t>(e)];
+      for (int f = pattern.begin(k); f < pattern.begin(k + 1); ++f) {
+        const int at = slot[static_cast<std::size_t>(pattern.row(f))];
+        if (at < first) continue;
+        Z_below[static_cast<std::size_t>(at)] -= Z_below[static_cast<std::size_t>(f)] * W[static_cast<std::size_t>(e)];
+        Z_below[static_cast<std::size_t>(e)] -= Z_below[static_cast<std::size_t>(f)].adjoint() * W[static_cast<std::size_t>(at)];
+      }
+    }
+    Block& Z = Z_diagonal[static_cast<std::size_t>(j)];
+    Z = L_inverse.adjoint() * L_inverse;
+    for (int e = first; e < last; ++e) {
+      Z -= W[static_cast<std::size_t>(e)].adjoint() * Z_below[static_cast<std::size_t>(e)];
+      slot[static_cast<std::size_t>(pattern.row(e))] = -1;
+    }
+  }
+  std::vector<Block> out(diagonal_.size());
+  for (int v = 0; v < n; ++v) out[static_cast<std::size_t>(v)] = Z_diagonal[static_cast<std::size_t>(pattern.place(v))];
   return out;
 }
 

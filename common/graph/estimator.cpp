@@ -215,9 +215,10 @@ void GraphEstimator::join_parts(const LoopProposal& loop) {
 }
 
 bool GraphEstimator::agrees_with_graph(const LoopProposal& loop, bool& trusted) const {
-  const RelativeCovariance covariance(graph_.poses, edges(), loop.from, {loop.to});
-  const Eigen::Matrix3d& cov_graph = covariance[loop.to];
-  trusted = std::sqrt(std::max(cov_graph(0, 0), cov_graph(1, 1))) < config_.trusted_sigma_m;
+  const auto is_known = [&](const Eigen::Matrix3d& cov) { return std::sqrt(std::max(cov(0, 0), cov(1, 1))) < config_.trusted_sigma_m; };
+  Eigen::Matrix3d cov_graph = RelativeCovariance(graph_.poses, edges(), loop.from, {loop.to})[loop.to];
+  if (!is_known(cov_graph)) cov_graph = marginal_covariances(graph_.poses, edges(), loop.from)[static_cast<std::size_t>(loop.to)];
+  trusted = is_known(cov_graph);
   const Pose2 T_graph = between(graph_.poses[static_cast<std::size_t>(loop.from)], graph_.poses[static_cast<std::size_t>(loop.to)]);
   Eigen::Vector3d d = loop.T_from_to.vector() - T_graph.vector();
   d[2] = wrap_angle(d[2]);

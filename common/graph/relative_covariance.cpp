@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <queue>
 
+#include "common/graph/sparse_optimizer.hpp"
+
 namespace modslam {
 namespace {
 
@@ -81,6 +83,27 @@ RelativeCovariance::RelativeCovariance(const std::vector<Pose2>& poses, const st
       open.push({size, static_cast<NodeId>(other)});
     }
   }
+}
+
+std::vector<Eigen::Matrix3d> marginal_covariances(const std::vector<Pose2>& poses, const std::vector<const GraphEdge*>& edges, NodeId source) {
+  // The optimiser holds node 0, so `source` and node 0 change names.
+  const auto renamed = [&](NodeId id) { return id == source ? 0 : id == 0 ? source : id; };
+  PoseGraph graph;
+  graph.poses = poses;
+  std::swap(graph.poses[0], graph.poses[static_cast<std::size_t>(source)]);
+  for (const GraphEdge* edge : edges) {
+    graph.edges.push_back(*edge);
+    graph.edges.back().from = renamed(edge->from);
+    graph.edges.back().to = renamed(edge->to);
+  }
+  SparseOptimizer optimizer(graph);
+  optimizer.prepare_marginals(graph);
+  std::vector<Eigen::Matrix3d> covariances = optimizer.marginals();
+  std::swap(covariances[0], covariances[static_cast<std::size_t>(source)]);
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = rotation(-graph.poses[0].heading);
+  for (Eigen::Matrix3d& cov : covariances) cov = R * cov * R.transpose();
+  return covariances;
 }
 
 }  // namespace modslam

@@ -22,6 +22,10 @@ class RelativeCovariance {
   std::vector<Eigen::Matrix3d> covariance_;
 };
 
+/// The same without the bound, by node: marginal covariances in the linearised graph, in the frame of `source`. Costs a factorisation and a
+/// selected inversion. Nodes that nothing ties to `source` have a huge one.
+std::vector<Eigen::Matrix3d> marginal_covariances(const std::vector<Pose2>& poses, const std::vector<const GraphEdge*>& edges, NodeId source);
+
 /// Inverse of an edge's information as covariance additive in (x, y, heading) of the frame `from`. Nearly singular
 /// information is filled up so that no direction is surer than nothing and none is infinitely unsure.
 Eigen::Matrix3d edge_covariance_from(const GraphEdge& edge);

@@ -131,6 +131,12 @@ Eigen::Matrix3d SparseOptimizer::marginal(const PoseGraph& graph, const GraphEdg
   return 0.5 * (covariance + covariance.transpose());
 }
 
+std::vector<Eigen::Matrix3d> SparseOptimizer::marginals() const {
+  std::vector<Eigen::Matrix3d> covariances = H_.inverse_diagonal();
+  covariances.insert(covariances.begin(), Eigen::Matrix3d::Zero());
+  return covariances;
+}
+
 OptimizeResult SparseOptimizer::optimize(PoseGraph& graph, const OptimizeOptions& options, const EdgeWeights& weights) {
   OptimizeResult result;
   if (graph.poses.size() < 2 || graph.edges.empty()) return result;

@@ -32,6 +32,8 @@ class SparseOptimizer {
   /// Covariance of what the graph predicts for a measurement between two nodes, as the error of `edge` sees it (frame of the measured
   /// node, order x y heading). Exact for the linearised graph; two sweeps through the factor for each of three columns.
   Eigen::Matrix3d marginal(const PoseGraph& graph, const GraphEdge& edge) const;
+  /// Covariance of every node's pose relative to node 0, additive in (x, y, heading) of the map frame; node 0's is zero.
+  std::vector<Eigen::Matrix3d> marginals() const;
 
   const BlockPattern& pattern() const { return pattern_; }
   /// Entry of the factor that edge k touches; -1 when one of its ends is node 0.

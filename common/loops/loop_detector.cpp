@@ -123,11 +123,14 @@ std::vector<LoopDetector::Candidate> LoopDetector::visible_candidates(
   for (const Keyframe& node : nodes_) poses.push_back(node.T_map_base);
   std::vector<NodeId> ids;
   for (const QuadTree::Entry& entry : near) ids.push_back(entry.id);
-  const RelativeCovariance covariance(poses, edges, newest, ids);
+  const RelativeCovariance bound(poses, edges, newest, ids);
+  // Where the bound would have us search far afield, the exact covariance is worth its price.
+  const bool unsure = std::any_of(ids.begin(), ids.end(), [&](NodeId id) { return kSigmas * position_sigma(bound[id]) > config_.close_m; });
+  const std::vector<Eigen::Matrix3d> exact = unsure ? marginal_covariances(poses, edges, newest) : std::vector<Eigen::Matrix3d>();
   const Eigen::Vector2d eye = nodes_.back().eye_base;
   std::vector<Candidate> candidates;
   for (const QuadTree::Entry& entry : near) {
-    const Eigen::Matrix3d& cov = covariance[entry.id];
+    const Eigen::Matrix3d& cov = unsure ? exact[static_cast<std::size_t>(entry.id)] : bound[entry.id];
     const double sigma_m = position_sigma(cov), d_m = (entry.p - T_map_new.translation()).norm();
     if (d_m > std::min(config_.max_radius_m, config_.close_m + kSigmas * sigma_m)) continue;
     // Beam test: the node must lie near a sample of some beam; behind a wall it does not.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "common/loops/place_match.hpp"
 #include "tests/support/graphs.hpp"
 #include "tests/support/matchers.hpp"
 
@@ -89,4 +90,24 @@ TEST_CASE("asked for some nodes only, the search gives the same for them as the 
   const RelativeCovariance all(graph.poses, pointers(graph), 5), some(graph.poses, pointers(graph), 5, {9, 31});
   REQUIRE(all[9] == some[9]);
   REQUIRE(all[31] == some[31]);
+}
+
+TEST_CASE("along a chain the marginal is what the chain says; a second way makes it smaller, never larger") {
+  const PoseGraph chain = bent_chain();
+  for (const NodeId source : {0, 3}) {
+    const RelativeCovariance along(chain.poses, pointers(chain), source);
+    const std::vector<Eigen::Matrix3d> exact = marginal_covariances(chain.poses, pointers(chain), source);
+    for (const NodeId target : {1, 2}) REQUIRE((exact[static_cast<std::size_t>(target)] - along[target]).norm() < 0.03 * along[target].norm());
+  }
+  PoseGraph field = swept_field(6, 0.05, 82);
+  optimize_gauss_newton(field, {});
+  const RelativeCovariance bound(field.poses, pointers(field), 35);
+  const std::vector<Eigen::Matrix3d> exact = marginal_covariances(field.poses, pointers(field), 35);
+  REQUIRE(exact[35].norm() == 0);
+  for (NodeId target = 0; target < 35; ++target) {
+    const double sigma = position_sigma(exact[static_cast<std::size_t>(target)]);
+    CAPTURE(target, sigma, position_sigma(bound[target]));
+    REQUIRE(sigma < position_sigma(bound[target]));
+    REQUIRE(sigma > 0.2 * position_sigma(bound[target]));
+  }
 }

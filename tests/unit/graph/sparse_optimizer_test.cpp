@@ -159,6 +159,11 @@ TEST_CASE("the marginal covariance is the inverse of the whole information, seen
     const Eigen::Matrix3d expected = jacobian(e) * covariance * jacobian(e).transpose();
     REQUIRE((optimizer.marginal(graph, e) - expected).norm() < 1e-5 * expected.norm());
   }
+  const std::vector<Eigen::Matrix3d> of_poses = optimizer.marginals();
+  for (Eigen::Index k = 1; k < static_cast<Eigen::Index>(graph.poses.size()); ++k) {
+    const Eigen::Matrix3d expected = covariance.block<3, 3>(3 * (k - 1), 3 * (k - 1));
+    REQUIRE((of_poses[static_cast<std::size_t>(k)] - expected).norm() < 1e-5 * expected.norm());
+  }
 }
 
 TEST_CASE("public graphs reach the best chi2 that is known from every start") {
