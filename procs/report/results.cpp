@@ -56,19 +56,35 @@ void assemble_map(const RunRecord& run, Results& out) {
       out.map.resolution_m * out.map.resolution_m;
 }
 
+Path in_seconds(const std::vector<PathPose>& poses) {
+  Path out;
+  for (const PathPose& p : poses) out.push_back({1e-6 * static_cast<double>(p.utime), p.pose});
+  return out;
+}
+
 std::optional<TruthComparison> compare(const std::vector<PathPose>& path,
                                        const std::vector<PathPose>& truth) {
-  const auto in_seconds = [](const std::vector<PathPose>& poses) {
-    Path out;
-    for (const PathPose& p : poses) out.push_back({1e-6 * static_cast<double>(p.utime), p.pose});
-    return out;
-  };
   TruthComparison c;
   c.pairs = pair_with_truth(in_seconds(path), in_seconds(truth));
   if (c.pairs.empty()) return std::nullopt;
   c.first = absolute_error(c.pairs, align_first(c.pairs));
   c.best = absolute_error(c.pairs, align_least_squares(c.pairs));
   return c;
+}
+
+void check_all_loops(const RunRecord& run, Results& out) {
+  std::vector<GraphEdge> edges;
+  for (const auto& [id, edge] : run.graph.edges()) edges.push_back(edge);
+  out.loops_in_map = check_loops(edges, out.nodes);
+  if (run.truth.empty()) return;
+  Path nodes;
+  for (const auto& [id, utime] : run.graph.node_utimes()) nodes.push_back({1e-6 * static_cast<double>(utime), Pose2()});
+  const std::vector<PosePair> pairs = pair_with_truth(nodes, in_seconds(run.truth));
+  std::map<NodeId, Pose2> T_world_node;
+  auto pair = pairs.begin();
+  for (const auto& [id, utime] : run.graph.node_utimes())
+    if (pair != pairs.end() && pair->stamp_s == 1e-6 * static_cast<double>(utime)) T_world_node[id] = (pair++)->T_world_base;
+  out.loops_in_truth = check_loops(edges, T_world_node);
 }
 
 }  // namespace
@@ -78,7 +94,7 @@ Results work_out(const RunRecord& run) {
   measure_time(run, out);
   assemble_path(run, out);
   assemble_map(run, out);
-  for (const auto& [id, edge] : run.graph.edges()) out.loop_edges += edge.kind == EdgeKind::kLoop;
+  check_all_loops(run, out);
   out.graph_g2o = g2o_text(out.nodes, run.graph.edges(), &out.edges_without_node);
   out.error = compare(out.path, run.truth);
   out.odometry_error = compare(run.odometry, run.truth);

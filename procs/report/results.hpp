@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/evaluation/loop_check.hpp"
 #include "common/evaluation/truth.hpp"
 #include "common/geometry/path_pose.hpp"
 #include "common/maps/mosaic.hpp"
@@ -29,7 +30,8 @@ struct Results {
   double duration_s = 0;
   double path_length_m = 0;
   std::map<NodeId, Pose2> nodes;
-  std::int64_t loop_edges = 0;
+  LoopCheck loops_in_map;                    ///< against where the nodes are in the end
+  std::optional<LoopCheck> loops_in_truth;  ///< against where they truly were
   int edges_without_node = 0;  ///< left out of graph.g2o
   std::string graph_g2o;
   MapImage map;

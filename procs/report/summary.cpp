@@ -26,6 +26,10 @@ Json comparison_json(const TruthComparison& c) {
 }
 
 /// STATUS is left out: it is sent by the clock.
+Json loop_check_json(const LoopCheck& check) {
+  return {{"chi2", rounded(check.worst_chi2)}, {"where_known_m", rounded(check.worst_m)}, {"from", check.from}, {"to", check.to}};
+}
+
 Json channels_json(const RunRecord& run) {
   Json channels = Json::object();
   for (const auto& [name, tally] : run.channels) {
@@ -112,7 +116,7 @@ Json summarise(const RunRecord& run, const Results& r) {
   s["poses_without_scan"] = r.poses_without_scan;
   s["graph"] = {{"nodes", r.nodes.size()},
                 {"edges", run.graph.edges().size()},
-                {"loop_edges", r.loop_edges},
+                {"loop_edges", r.loops_in_map.loops},
                 {"edges_without_node", r.edges_without_node},
                 {"epoch", run.graph.epoch()},
                 {"nodes_missing_in_log", run.graph.missing_nodes()},
@@ -120,7 +124,9 @@ Json summarise(const RunRecord& run, const Results& r) {
   s["loops"] = {{"proposed", run.proposals.size()},
                 {"accepted", run.graph.loops_accepted()},
                 {"retracted", run.graph.loops_retracted()},
-                {"verdicts", verdicts_json(run.proposals)}};
+                {"verdicts", verdicts_json(run.proposals)},
+                {"worst_in_map", loop_check_json(r.loops_in_map)}};
+  if (r.loops_in_truth) s["loops"]["worst_in_truth"] = loop_check_json(*r.loops_in_truth);
   s["verdicts"] = {{"scan_match", verdicts_json(run.match_verdicts)},
                    {"pose", verdicts_json(run.pose_verdicts)}};
   s["map"] = {{"tiles", run.tiles.size()},

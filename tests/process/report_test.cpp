@@ -90,6 +90,8 @@ TEST_CASE("the report turns a run's log into every file of its folder") {
     REQUIRE(s["graph"]["edges"] == run.nodes - 1 + run.loop_edges);
     REQUIRE(s["loops"]["accepted"] == run.loop_edges);
     REQUIRE(run.loop_edges > 0);
+    REQUIRE(s["loops"]["worst_in_map"]["chi2"] >= 0);
+    REQUIRE(s["loops"]["worst_in_truth"]["where_known_m"] < 0.1);
     REQUIRE(s["semantics"]["walls"] == 9);
     REQUIRE(s["semantics"]["rooms"] == 3);
     REQUIRE(s["error"]["aligned_at_first_pose"]["position_m"]["max"] < 0.002);
