@@ -39,8 +39,9 @@ bench_graph() {
   [[ $folder != "$default" ]] || write_section graph logs/bench/graph.md
 }
 
-# [--seeds N]: public logs, the simulator, and whether the matcher's opinion of itself is right.
+# [--seeds N]: public logs, the simulator, tours of floor plans, and whether the matcher's opinion of itself is right.
 bench_slam() {
+  install_packages config/debian-packages-semantics.txt  # tours of floor plans
   build_bench to_rawlog
   build_bench matcher-bench
   local code=0

@@ -3,7 +3,7 @@
 """slam_bench.py BUILD DATA --json FILE --markdown FILE [--seeds N]: localisation on public logs and in the simulator, against yardsticks.
 
 DATA/intel and DATA/fr079 hold NAME.clf.xz, NAME.relations and NAME.times.csv.xz; what is absent is skipped and named. Every system reads
-the same LCM log with the shipped parameters; only mount and no-return value differ by log. CPU seconds, so that other work on the machine counts little.
+the same LCM log with the shipped parameters; only mount and no-return value differ by log. Floor plans are those of DATA/../semantic/plans. CPU seconds, so that other work on the machine counts little.
 """
 import argparse
 import json
@@ -29,6 +29,9 @@ SYSTEMS = {
     "raw odometry": ["launch.estimator=odometry"],
 }
 ROUTES = [(route, noise) for route in ("A_safe_loop", "demo", "B_rooms_tight") for noise in ("raised", "official")]
+
+SCANNERS = ["sick", "urg", "hokuyo-270"]
+HERE = pathlib.Path(__file__).resolve().parent
 
 
 class Bench:
@@ -128,6 +131,32 @@ def unscored_logs(bench, report, table):
         print(table[-1], flush=True)
 
 
+def buildings(bench, report, table):
+    """A tour through every room of every floor plan, with every scanner and raised odometry: what was not looked at when parameters were chosen."""
+    plans = sorted((bench.data.parent / "semantic" / "plans").glob("*.json"))
+    if not plans:
+        print(f"skipped floor plans: none below {bench.data.parent}")
+        return
+    table += ["\n### Tours of floor plans, raised odometry\n", "| plan, scanner | way [m] | odometry's largest error [m] | largest error [m] | mean [m] | "
+              "largest heading error [deg] | loops proposed / accepted / retracted | worst of them against the truth [m] | verdicts |", "|---" * 9 + "|"]
+    world, log = bench.work / "tour.geojson", bench.work / "tour.lcm"
+    for plan, scanner in [(plan, scanner) for scanner in SCANNERS for plan in plans]:
+        tour = subprocess.run(["/usr/bin/python3", HERE / "semantics" / "toured_world.py", plan, world], capture_output=True, text=True)
+        if tour.returncode != 0:
+            print(f"skipped {plan.stem}: {tour.stderr.strip()[-120:]}")
+            continue
+        settings = [f"simulator.world={world}", "simulator.route=tour", "odometry.noise=raised", f"laser.model={scanner}"]
+        peers.run([bench.bin / "modslam-simulate", log, *[word for setting in settings for word in ("--set", setting)]])
+        _, timing, summary = bench.offline(log, "tour", [])
+        error, loops = summary["error"]["aligned_at_first_pose"], summary["loops"]
+        report.append({"plan": plan.stem, "scanner": scanner, "error": summary["error"], "odometry_error": summary["odometry_error"], "timing": timing,
+                       "loops": loops, "verdicts": summary["verdicts"]})
+        table.append(f"| {plan.stem}, {scanner} | {summary['path_length_m']:.0f} | {summary['odometry_error']['aligned_at_first_pose']['position_m']['max']:.1f} | "
+                     f"{error['position_m']['max']:.3f} | {error['position_m']['mean']:.3f} | {error['heading_deg']['max']:.2f} | "
+                     f"{loops['proposed']} / {loops['accepted']} / {loops['retracted']} | {loops['worst_in_truth']['where_known_m']:.2f} | {verdict_words(summary)} |")
+        print(table[-1], flush=True)
+
+
 def simulated(bench, seeds, report, table):
     table += ["\n### Simulated Apartment\n", "Largest position error of a run, path laid on the truth by its first pose; `raised` odometry drifts by metres.\n",
               "| route, noise | runs | odometry's largest error, median [m] | largest error: median [m] | worst run [m] | heading mean, median [deg] | "
@@ -166,6 +195,7 @@ def main():
         public_logs(bench, report, table)
         unscored_logs(bench, report, table)
         simulated(bench, options.seeds, report, table)
+        buildings(bench, report, table)
     pathlib.Path(options.json).write_text(json.dumps(report, indent=1) + "\n")
     pathlib.Path(options.markdown).write_text("\n".join(table).lstrip("\n") + "\n")
 
