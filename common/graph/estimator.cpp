@@ -268,12 +268,12 @@ void GraphEstimator::optimize(bool thoroughly) {
       thoroughly ? toro_.optimize(graph_, options) : toro_.update(graph_, options);
     else
       optimize_gauss_newton(graph_, options);
-  } while (retract_worst());
+  } while (retract_worst(graph_.edges.size()));
   note_moves();
 }
 
 void GraphEstimator::polish(const std::vector<GraphEdge>& overlaps) {
-  const std::size_t count = graph_.edges.size();
+  std::size_t count = graph_.edges.size();  // the measurements stand behind the edges
   const std::vector<NodeId> parts = components(graph_.poses.size(), edges());
   std::copy_if(overlaps.begin(), overlaps.end(), std::back_inserter(graph_.edges), [&](const GraphEdge& edge) {
     return parts[static_cast<std::size_t>(edge.from)] == parts[static_cast<std::size_t>(edge.to)];
@@ -281,7 +281,10 @@ void GraphEstimator::polish(const std::vector<GraphEdge>& overlaps) {
   OptimizeOptions options;
   options.dcs_phi = config_.dcs_phi;
   options.max_iterations = 10;
-  optimize_gauss_newton(graph_, options);
+  for (bool again = true; again; count -= again) {
+    optimize_gauss_newton(graph_, options);
+    again = retract_worst(count);
+  }
   graph_.edges.resize(count);
   note_moves();
 }
@@ -299,10 +302,11 @@ void GraphEstimator::note_moves() {
 }
 
 /// Takes back the loop that contradicts the optimised graph most. @return whether there was one.
-bool GraphEstimator::retract_worst() {
-  auto worst = graph_.edges.end();
+bool GraphEstimator::retract_worst(std::size_t among_first) {
+  const auto end = graph_.edges.begin() + static_cast<std::ptrdiff_t>(among_first);
+  auto worst = end;
   double worst_chi2 = config_.retract_chi2;
-  for (auto edge = graph_.edges.begin(); edge != graph_.edges.end(); ++edge) {
+  for (auto edge = graph_.edges.begin(); edge != end; ++edge) {
     if (edge->kind != EdgeKind::kLoop) continue;
     const double chi2 = edge_chi2(*edge, graph_.poses);
     if (chi2 > worst_chi2) {
@@ -310,7 +314,7 @@ bool GraphEstimator::retract_worst() {
       worst = edge;
     }
   }
-  if (worst == graph_.edges.end()) return false;
+  if (worst == end) return false;
   changes_.retracted.push_back(worst->id);
   graph_.edges.erase(worst);
   ++retracted_;

@@ -99,7 +99,8 @@ class GraphEstimator {
   LoopFate add_loop(const LoopProposal& proposal);
   /// Optimises what was postponed; `thoroughly` to convergence (end of a run).
   void settle(bool thoroughly);
-  /// Moves the nodes to where all edges together with these measurements want them; the measurements are not kept.
+  /// Moves the nodes to where all edges together with these measurements want them; the measurements are not kept. Loops that they
+  /// contradict are retracted.
   void polish(const std::vector<GraphEdge>& overlaps);
 
   /// Goes on from what another estimator of the same configuration knew. A sampled proposal draws other numbers than it would have.
@@ -131,7 +132,7 @@ class GraphEstimator {
   bool consistent(const LoopProposal& a, const LoopProposal& b) const;
   void optimize(bool thoroughly);
   void note_moves();
-  bool retract_worst();
+  bool retract_worst(std::size_t among_first);
 
   EstimatorConfig config_;
   std::mt19937_64 random_;

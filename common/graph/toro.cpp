@@ -31,15 +31,18 @@ class Descent {
   /// Share of what is now known between an edge's ends that the edge itself says, 0 to 1, mean of the three axes.
   double say(std::size_t k) const;
   void raise(std::size_t k, double rate);
-  /// Lets edges pull until chi2 settles. @param first those that begin; another one joins when its path was moved.
-  OptimizeResult run(const OptimizeOptions& options, const std::vector<bool>& first, bool weigh_often);
+  /// Lets every edge pull in every sweep until chi2 settles, with new weights for each.
+  OptimizeResult run(const OptimizeOptions& options);
+  /// Lets some edges begin; another one joins when its path was moved.
+  OptimizeResult run(const OptimizeOptions& options, const std::vector<bool>& first);
   std::int64_t pulls() const { return pulls_; }
 
  private:
   Eigen::Vector3d pose_of(NodeId id) const;
+  OptimizeResult run(const OptimizeOptions& options, bool whole);
   bool was_moved(std::size_t k) const;
   void pull(std::size_t k);
-  void sweep();
+  void sweep(bool whole);
   void write_poses();
 
   PoseGraph& graph_;
@@ -131,9 +134,9 @@ void Descent::pull(std::size_t k) {
   move(path.from_side, -1);
 }
 
-void Descent::sweep() {
+void Descent::sweep(bool whole) {
   for (const std::size_t k : order_)
-    if (paths_[k].length() > 0 && (pulled_at_[k] < 0 || was_moved(k))) pull(k);
+    if (paths_[k].length() > 0 && (whole || was_moved(k))) pull(k);
   for (double& rate : rate_) rate /= 1 + rate;  // 1, 1/2, 1/3 ...
 }
 
@@ -146,18 +149,24 @@ void Descent::write_poses() {
   }
 }
 
-OptimizeResult Descent::run(const OptimizeOptions& options, const std::vector<bool>& first, bool weigh_often) {
-  OptimizeResult result;
-  result.chi2_before = result.chi2_after = graph_chi2(graph_);
+OptimizeResult Descent::run(const OptimizeOptions& options) { return run(options, true); }
+
+OptimizeResult Descent::run(const OptimizeOptions& options, const std::vector<bool>& first) {
   for (std::size_t k = 0; k < first.size(); ++k)
     if (first[k]) pulled_at_[k] = -1;
+  return run(options, false);
+}
+
+OptimizeResult Descent::run(const OptimizeOptions& options, bool whole) {
+  OptimizeResult result;
+  result.chi2_before = result.chi2_after = graph_chi2(graph_);
   std::vector<Pose2> best = graph_.poses;
   double last_chi2 = result.chi2_before;
   int still = 0;
   for (int n = 1; n <= std::max(options.max_iterations, kLeastSweeps) && still < kStillSweeps; ++n) {
-    if (weigh_often && n > 1) weigh();
+    if (whole && n > 1) weigh();
     const std::int64_t pulls_before = pulls_;
-    sweep();
+    sweep(whole);
     if (pulls_ == pulls_before) break;  // nothing moves any more
     write_poses();
     result.iterations = n;
@@ -187,7 +196,7 @@ OptimizeResult Toro::optimize(PoseGraph& graph, const OptimizeOptions& options) 
   known_ = ids_of(graph);
   if (graph.poses.size() < 2 || graph.edges.empty()) return {graph_chi2(graph), graph_chi2(graph), 0};
   Descent descent(graph, rate_);
-  const OptimizeResult result = descent.run(options, std::vector<bool>(graph.edges.size(), true), true);
+  const OptimizeResult result = descent.run(options);
   pulls_ += descent.pulls();
   return result;
 }
@@ -208,7 +217,7 @@ OptimizeResult Toro::update(PoseGraph& graph, const OptimizeOptions& options) {
     at = static_cast<std::size_t>(found - known_.begin()) + 1;
   }
   known_ = ids_of(graph);
-  const OptimizeResult result = descent.run(options, is_new, false);
+  const OptimizeResult result = descent.run(options, is_new);
   pulls_ += descent.pulls();
   return result;
 }

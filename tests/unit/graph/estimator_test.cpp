@@ -179,3 +179,25 @@ TEST_CASE("the sampled proposal is repeatable with its seed and spreads with its
   REQUIRE(distance(drive(1), drive(2)) > 1e-3);
   REQUIRE_THAT(drive(1), IsNear({2, 0, 0}, 0.6, 0.5));
 }
+
+TEST_CASE("a loop that the scans' own comparison contradicts is taken back by the polish") {
+  Ring ring;
+  for (const NodeId k : {60, 66, 72, 78}) ring.estimator.add_loop(ring.loop(k - 60, k));
+  ring.estimator.settle(true);
+  const double wrong_m = 0.15;
+  REQUIRE(ring.estimator.add_loop(ring.loop(25, 85, {wrong_m, 0, 0})) == LoopFate::kAccepted);
+  ring.estimator.settle(true);
+  ring.estimator.take_changes();
+  std::vector<GraphEdge> overlaps;
+  for (NodeId k = 20; k < 32; ++k) {
+    const LoopProposal right = ring.loop(k, k + 60);
+    overlaps.push_back({k, right.from, right.to, EdgeKind::kLoop, right.T_from_to, right.information});
+  }
+  const std::size_t edges = ring.estimator.graph().edges.size();
+  ring.estimator.polish(overlaps);
+  const GraphChanges changes = ring.estimator.take_changes();
+  REQUIRE(changes.retracted.size() == 1);
+  REQUIRE(ring.estimator.graph().edges.size() == edges - 1);
+  REQUIRE(ring.estimator.graph().edges.back().from != 25);
+  REQUIRE(distance(ring.estimator.graph().poses[85], ring.estimator.graph().poses[25]) < 0.05);
+}
