@@ -41,6 +41,7 @@ ModSLAM: 2D laser SLAM with a semantic map, as processes on an LCM bus.
                                               which places look like rooms, corridors, doorways
   ./run.sh ask room X Y | route A to B | map  of the run that is going on: which room is there, which way leads from A to B (a place is
                                               "X Y", a room's name or its id), all rooms
+  ./run.sh polish                             compare all scans of the run that is going on and refine all its poses together, as at its end
   ./run.sh export DIR [--format geotiff,dxf,svg,pgm] [--out DIR]
                                               the map of a run for other programs
   ./run.sh simulate OUT.lcm [--set T.K=V]...  a simulated log without the network
@@ -133,6 +134,7 @@ spy() {
   exec procs/spy/spy.sh "$BUILD"
 }
 ask() { attach; exec "$BIN/modslam-ask" "$@"; }
+polish() { attach; exec "$BIN/modslam-conduct" tell graph_optimizer polish; }
 view() { attach; page_url; }
 # shellcheck disable=SC2086
 status() { attach; exec "$BIN/modslam-conduct" status --supervisor-log "$OUT/log/supervisord.log" $PROCESSES; }
@@ -154,7 +156,7 @@ main() {
     build) ensure_built all ;;
     test) if [[ ${1:-} == --sanitize ]]; then shift; sanitize "$@"; else ensure_built all; run_tests "$@"; fi ;;
     bench) bench "$@" ;;
-    demo | live | replay | offline | simulate | annotate | train | evaluate | optimize | report | record | ask | spy | view | status | doctor) ensure_built programs; "$verb" "$@" ;;
+    demo | live | replay | offline | simulate | annotate | train | evaluate | optimize | report | record | ask | spy | view | status | polish | doctor) ensure_built programs; "$verb" "$@" ;;
     import) ensure_built programs; import_log "$@" ;;
     export) ensure_built programs; export_map "$@" ;;
     *) echo "run.sh: '$verb' is no verb" >&2; help >&2; exit 2 ;;

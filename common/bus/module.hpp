@@ -47,6 +47,9 @@ class Module {
   /// False while it is known that messages are missing which can still come: the end of the input waits for them, for some seconds.
   virtual bool complete() const { return true; }
 
+  /// What a person asks of this module alone, by COMMAND. @return false: it knows no such verb.
+  virtual bool command(const std::string& verb) { (void)verb; return false; }
+
   /// The network lost a message on `channel` on its way to this module.
   virtual void missed(const std::string& channel) { (void)channel; }
 

@@ -129,7 +129,12 @@ class Host {
     if (!command.target.empty() && command.target != bus_.name()) return;
     if (command.verb == "parameters") return publish_parameters();
     if (command.verb == "status") return status_.publish(state(), true);
-    if (command.verb != "finish") throw BadMessage("unknown verb '" + command.verb + "'");
+    if (command.verb == "finish") return finish_soon();
+    if (!module_->command(command.verb)) throw BadMessage("unknown verb '" + command.verb + "'");
+    status_.publish(state(), true);
+  }
+
+  void finish_soon() {
     finish_by_us_ = steady_us() + kFinishPatience_us;
     finished_ = false;
   }

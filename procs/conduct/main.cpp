@@ -3,6 +3,7 @@
 ///   up NAME...      waits until each process has spoken
 ///   ended NAME      waits until that process says FINISHED (a simulated route has ended)
 ///   settle NAME...  tells each in turn that the input has ended and waits for its FINISHED
+///   tell NAME VERB  says a verb to a process and prints the words of its next STATUS
 ///   status NAME...  listens for a moment and prints a table; exit code 1 when somebody is in trouble or silent
 /// A COMMAND stands in each process's queue behind the messages sent before it, so FINISHED means: all of those are handled.
 #include <CLI/CLI.hpp>
@@ -86,10 +87,7 @@ class Conductor {
     std::int64_t last = -1;
     for (int same = 0; same < kQuietWords && now_s() < end;) {
       const int count = heard_[name].count;
-      command_t command{};
-      command.target = name;
-      command.verb = "status";
-      bus_.publish(channel::kCommand, command);
+      say(name, "status");
       const bool spoke = wait(2.0, [&] { return heard_[name].count > count; });
       same = spoke && received() == last ? same + 1 : 0;
       last = received();
@@ -102,10 +100,7 @@ class Conductor {
     const double end = now_s() + seconds;
     while (now_s() < end) {  // a command may be lost too: say it again every five seconds
       heard_.erase(name);
-      command_t command{};
-      command.target = name;
-      command.verb = "finish";
-      bus_.publish(channel::kCommand, command);
+      say(name, "finish");
       const bool spoke = wait(std::min(5.0, end - now_s()), [&] {
         const auto heard = heard_.find(name);
         return heard != heard_.end() && heard->second.status.state >= process_status_t::TROUBLED;
@@ -120,6 +115,16 @@ class Conductor {
     return false;
   }
 
+  bool tell(const std::string& name, const std::string& verb, double seconds) {
+    if (!up({name}, seconds)) return false;
+    const int count = heard_[name].count;
+    say(name, verb);
+    // Regular words come once a second; the answer is one that was spoken after the command's handler ended.
+    if (!wait(seconds, [&] { return heard_[name].count > count + 1; })) return false;
+    std::cout << name << ": " << heard_[name].status.words << std::endl;
+    return true;
+  }
+
   int print_status(double seconds, const std::vector<std::string>& expected, const std::string& supervisor_log) {
     wait(seconds, [] { return false; });
     if (heard_.empty()) {
@@ -130,6 +135,13 @@ class Conductor {
   }
 
  private:
+  void say(const std::string& name, const std::string& verb) {
+    command_t command{};
+    command.target = name;
+    command.verb = verb;
+    bus_.publish(channel::kCommand, command);
+  }
+
   Transport transport_;
   Bus bus_;
   std::map<std::string, Heard> heard_;
@@ -139,7 +151,7 @@ class Conductor {
 }  // namespace modslam
 
 int main(int argc, char** argv) {
-  std::string url, supervisor_log;
+  std::string url, supervisor_log, told, verb;
   double seconds = 60;
   bool drained = false;
   std::vector<std::string> names;
@@ -153,6 +165,9 @@ int main(int argc, char** argv) {
   auto* settle = app.add_subcommand("settle", "tell each in turn that the input has ended");
   settle->add_option("names", names)->required();
   settle->add_flag("--drain", drained, "first wait until it gets nothing new");
+  auto* tell = app.add_subcommand("tell", "say a verb to one process");
+  tell->add_option("name", told)->required();
+  tell->add_option("verb", verb)->required();
   auto* status = app.add_subcommand("status", "print a table");
   status->add_option("names", names, "processes that should speak");
   status->add_option("--supervisor-log", supervisor_log, "to count restarts in");
@@ -162,6 +177,7 @@ int main(int argc, char** argv) {
     if (const std::string trouble = modslam::preflight(url); !trouble.empty()) throw std::runtime_error(trouble);
     modslam::Conductor conductor(url);
     if (*up) return conductor.up(names, seconds) ? 0 : 1;
+    if (*tell) return conductor.tell(told, verb, seconds) ? 0 : 1;
     if (*ended) return conductor.ended(names.front(), seconds) ? 0 : 1;
     if (*status) return conductor.print_status(std::min(seconds, 2.4), names, supervisor_log);
     for (const std::string& name : names)

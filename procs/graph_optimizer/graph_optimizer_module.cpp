@@ -68,6 +68,11 @@ class GraphOptimizerModule : public Module {
     if (!patient_) searched_ = nodes();
     work();
   }
+  bool command(const std::string& verb) override {
+    if (verb != "polish") return false;
+    session_.polish();
+    return true;
+  }
   bool complete() const override { return matches_.empty(); }
   std::string words() const override { return session_.words(); }
   void missed(const std::string& channel) override {

@@ -133,6 +133,27 @@ TEST_CASE("a robot that recognises nothing while it drives on is not carried awa
   CHECK(poses.back().verdict != scan_match_t::AMBIGUOUS);
 }
 
+TEST_CASE("asked to polish in the middle of a drive, the estimator moves nodes, and drives on") {
+  Stage stage;
+  stage.host("scan_matcher", make_scan_matcher);
+  Module& estimator = stage.host("graph_optimizer", make_graph_optimizer);
+  stage.host("loop_detector", make_loop_detector);
+  const auto& poses = stage.record<pose_estimate_t>(channel::kPose);
+  const auto& updates = stage.record<graph_update_t>(channel::kGraph);
+  Robot robot(stage);
+  const Pose2 start = robot.T_map_base;
+  for (int k = 0; k < 80; ++k) robot.step();
+  const std::size_t updates_before = updates.size();
+  REQUIRE(estimator.command("polish"));
+  stage.drain(1);
+  REQUIRE(updates.size() > updates_before);
+  REQUIRE_FALSE(updates.back().poses.empty());
+  REQUIRE_FALSE(estimator.command("dance"));
+  for (int k = 0; k < 40; ++k) robot.step();
+  REQUIRE(poses.size() == 120);
+  CHECK_THAT(start * to_pose(poses.back().T_map_base), IsNear(robot.T_map_base, 0.03, 0.02));
+}
+
 TEST_CASE("the chain of matcher, estimator and loop detector knows where it is after two rounds") {
   Stage stage;
   SystemConfig config;
