@@ -161,11 +161,12 @@ Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, const 
 }
 
 /// Share of a region's rim that lies on walls; where it meets another region or a cut is no rim.
-double FloorParter::walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls) const {
+double FloorParter::walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const WallSet& walls) const {
   const cv::Rect box = region.box;
   cv::Mat1b on_wall(box.size(), std::uint8_t{0});
   const int thick = 2 * static_cast<int>(std::lround(kOnWall_m / space.resolution_m)) + 1;
-  for (const Wall& wall : walls) {
+  for (const std::size_t k : walls.near(space.centre(box.tl()), space.centre(box.br()), 2 * thick * space.resolution_m)) {
+    const Wall& wall = walls[k];
     const cv::Point a = space.cell(wall.a), b = space.cell(wall.b);
     if (meet(grown(cv::Rect(a, cv::Size(1, 1)) | cv::Rect(b, cv::Size(1, 1)), thick), box)) cv::line(on_wall, a - box.tl(), b - box.tl(), cv::Scalar(255), thick);
   }
@@ -271,7 +272,7 @@ Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, const std:
   return changed;
 }
 
-Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const std::vector<Opening>& openings, const Boxes& open,
+Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const std::vector<Opening>& openings, const Boxes& open,
                           const Boxes& walls_changed) {
   if (floor.open.empty()) return {};
   if (parted_.size() != floor.open.size()) {
@@ -299,7 +300,7 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const std
   std::vector<double> area_m2{0};
   for (std::size_t k = 0; k < raw.size(); ++k) {
     area_m2.push_back(raw[k].cells * floor.resolution_m * floor.resolution_m);
-    if (walls.empty() || area_m2.back() >= options_.small_m2) continue;
+    if (walls.size() == 0 || area_m2.back() >= options_.small_m2) continue;
     const auto share = [&] { return walled_share(raw[k], static_cast<int>(k) + 1, floor, space, walls); };
     if (walled_.ask(raw[k].members, grown(raw[k].box, 12), share) < options_.min_walled) area_m2.back() = std::min(area_m2.back(), 0.5 * options_.min_room_m2);
   }
@@ -336,7 +337,9 @@ Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vec
                      const PartitionOptions& options) {
   std::stable_sort(openings.begin(), openings.end(), [](const Opening& p, const Opening& q) { return p.probability > q.probability; });
   FloorParter parter(options);
-  parter.update(floor, space, walls, openings, {cv::Rect({0, 0}, floor.open.size())}, {});
+  WallSet set;
+  set.update(walls);
+  parter.update(floor, space, set, openings, {cv::Rect({0, 0}, floor.open.size())}, {});
   return parter.partition();
 }
 

@@ -47,7 +47,7 @@ class FloorParter {
 
   /// @param openings  all of at least options.min_probability, surest first. @param open, walls_changed  where floor and walls changed since the last call.
   /// @return where there is a region now and was none, or the other way round, and around cuts that are new or gone.
-  Boxes update(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const std::vector<Opening>& openings, const Boxes& open,
+  Boxes update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const std::vector<Opening>& openings, const Boxes& open,
                const Boxes& walls_changed);
   const Partition& partition() const { return partition_; }
 
@@ -59,7 +59,7 @@ class FloorParter {
   };
 
   Boxes draw_cuts(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& cuts, const Boxes& open);
-  double walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls) const;
+  double walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const WallSet& walls) const;
   Niche niche_of(const Region& region, int number) const;
   std::set<int> find_slots(const std::vector<CutOpening>& cuts, const Floor& floor);
   void number_regions(const std::vector<int>& roots, const std::set<int>& slots);
