@@ -18,6 +18,7 @@ constexpr double kBesideBack_m = 1.0, kPastBack_m = 0.5;
 const double kSameWay = std::cos(0.15);
 constexpr double kLeastDepth_m = 0.15;
 constexpr double kTouch_m = 0.25, kDoor_m = 1.7, kInLine_m = 0.12;
+constexpr double kThickest_m = 0.65;                       // of a wall
 constexpr double kInwards_m2 = 0.5;
 constexpr double kSmallGroup_m = 4.0;                       // a group of faces this small that nothing joins to others stands alone
 constexpr double kNext_m = kDoor_m + 0.3;                   // faces of one group are this near
@@ -49,9 +50,18 @@ double free_between(const Wall& front, const Vec& half, const FurnitureMap::IsFr
   return asked ? static_cast<double>(free) / asked : 0;
 }
 
+/// Whether the two are the faces of one wall: they look away from each other, and no more than a wall is between them.
+bool are_back_to_back(const Wall& p, const Wall& q, const Vec& u) {
+  if (u.dot(q.direction()) > -0.985) return false;
+  const double thick_m = -p.normal().dot(0.5 * (q.a + q.b) - p.a);
+  const double low = std::max(0.0, u.dot(q.b - p.a)), high = std::min(p.length_m(), u.dot(q.a - p.a));
+  return thick_m > 0 && thick_m < kThickest_m && high - low > 0.5 * std::min(p.length_m(), q.length_m());
+}
+
 bool belong_together(const Wall& p, const Wall& q) {
   if (!meet(box_of(p), box_of(q), kNext_m)) return false;
   const Vec u = p.direction();
+  if (are_back_to_back(p, q, u)) return true;
   const double gap = std::max(u.dot(q.a - p.b), u.dot(p.a - q.b));
   const bool in_line = std::abs(u.dot(q.direction())) > 0.985 && std::abs(p.normal().dot(q.a - p.a)) < kInLine_m + 0.2 &&
                        std::abs(p.normal().dot(q.b - p.a)) < kInLine_m + 0.2;

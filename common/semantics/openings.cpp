@@ -159,6 +159,7 @@ void OpeningMap::measure(const Index& index, const CutFeatures& features, const 
       news = features.measure_walls(openings.back());
     if (news) openings.back().probability = model_.probability(openings.back().features.data());
   }
+  std::sort(openings.begin(), openings.end(), [](const Opening& p, const Opening& q) { return p.probability > q.probability; });
   block.openings = std::move(openings);
 }
 
@@ -186,12 +187,17 @@ void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallS
 }
 
 std::vector<Opening> OpeningMap::openings(double min_probability) const {
-  std::vector<Opening> out;
+  std::vector<const Opening*> sure;
   for (const auto& [index, block] : blocks_)
-    for (const Opening& opening : block.openings)
-      if (opening.probability >= min_probability) out.push_back(opening);
+    for (const Opening& opening : block.openings) {
+      if (opening.probability < min_probability) break;  // surest first
+      sure.push_back(&opening);
+    }
   const auto order = [](const Opening& o) { return std::tuple(-o.probability, o.a.x(), o.a.y(), o.b.x(), o.b.y()); };
-  std::sort(out.begin(), out.end(), [&](const Opening& p, const Opening& q) { return order(p) < order(q); });
+  std::sort(sure.begin(), sure.end(), [&](const Opening* p, const Opening* q) { return order(*p) < order(*q); });
+  std::vector<Opening> out;
+  out.reserve(sure.size());
+  for (const Opening* opening : sure) out.push_back(*opening);
   return out;
 }
 

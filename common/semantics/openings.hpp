@@ -67,7 +67,7 @@ class OpeningMap {
     cv::Rect box;
     Outline outline;
     std::vector<FloorCut> cuts;
-    std::vector<Opening> openings;
+    std::vector<Opening> openings;   ///< surest first
   };
   using Index = std::pair<int, int>;   ///< column, row
 

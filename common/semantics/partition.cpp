@@ -117,33 +117,25 @@ std::vector<CutOpening> choose_cuts(const std::vector<Opening>& openings, double
   return cuts;
 }
 
-auto order_of(const CutOpening& cut) { return std::tuple(cut.opening.a.x(), cut.opening.a.y(), cut.opening.b.x(), cut.opening.b.y()); }
-bool is_before(const CutOpening& p, const CutOpening& q) { return order_of(p) < order_of(q); }
+}  // namespace
 
-cv::Rect box_of(const CutOpening& cut, const KnownSpace& space, double margin_m) {
+cv::Rect FloorParter::box_of(const CutLine& cut, const KnownSpace& space, double margin_m) {
   const int margin = static_cast<int>(std::ceil(margin_m / space.resolution_m)) + 1;
-  return grown(cv::Rect(space.cell(cut.opening.a), space.cell(cut.opening.a)) | cv::Rect(space.cell(cut.opening.a), cv::Size(1, 1)) |
-                   cv::Rect(space.cell(cut.opening.b), cv::Size(1, 1)),
-               margin) &
-         cv::Rect({0, 0}, space.occupancy.size());
+  return grown(cv::Rect(space.cell(cut.a), cv::Size(1, 1)) | cv::Rect(space.cell(cut.b), cv::Size(1, 1)), margin) & cv::Rect({0, 0}, space.occupancy.size());
 }
 
-bool is_before_with_region(const CutOpening& p, const CutOpening& q) { return std::pair(order_of(p), p.left) < std::pair(order_of(q), q.left); }
-
 /// Boxes around what only one of two sets of cuts has; both in order.
-template <class Before>
-Boxes news_of(const std::vector<CutOpening>& before, const std::vector<CutOpening>& now, const KnownSpace& space, double margin_m, Before is_before) {
-  std::vector<CutOpening> news;
-  std::set_symmetric_difference(before.begin(), before.end(), now.begin(), now.end(), std::back_inserter(news), is_before);
+Boxes FloorParter::news_of(const std::vector<CutLine>& before, const std::vector<CutLine>& now, const KnownSpace& space, double margin_m) {
+  std::vector<CutLine> news;
+  std::set_symmetric_difference(before.begin(), before.end(), now.begin(), now.end(), std::back_inserter(news));
   Boxes out;
-  for (const CutOpening& cut : news) out.push_back(box_of(cut, space, margin_m));
+  for (const CutLine& cut : news) out.push_back(box_of(cut, space, margin_m));
   return out;
 }
 
-}  // namespace
-
-Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& cuts, const Boxes& open) {
-  Boxes stirred = news_of(drawn_, cuts, space, 0, is_before), changed;
+Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, std::vector<CutLine> cuts, const Boxes& open) {
+  std::sort(cuts.begin(), cuts.end());
+  Boxes stirred = news_of(drawn_, cuts, space, 0), changed;
   stirred.insert(stirred.end(), open.begin(), open.end());
   std::vector<cv::Mat1b> before;
   const Boxes parts = windows(stirred, 0, floor.open.size());
@@ -151,12 +143,12 @@ Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, const 
     before.push_back(parted_(box).clone());
     floor.open(box).copyTo(parted_(box));
   }
-  for (const CutOpening& cut : cuts)
+  for (const CutLine& cut : cuts)
     if (meet(parts, box_of(cut, space, 0)))
-      cv::line(parted_, space.cell(cut.opening.a), space.cell(cut.opening.b), cv::Scalar(0), 1, cv::LINE_8);  // stops a flood over sides
+      cv::line(parted_, space.cell(cut.a), space.cell(cut.b), cv::Scalar(0), 1, cv::LINE_8);  // stops a flood over sides
   for (std::size_t k = 0; k < parts.size(); ++k)
     if (const cv::Rect news = difference(before[k], parted_(parts[k])); news.area() > 0) changed.push_back(news + parts[k].tl());
-  drawn_ = cuts;
+  drawn_ = std::move(cuts);
   return changed;
 }
 
@@ -239,8 +231,9 @@ void FloorParter::number_regions(const std::vector<int>& roots, const std::set<i
 }
 
 /// Where two regions became one, the cut between them is floor again.
-Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& healed) {
-  Boxes stirred = news_of(healed_, healed, space, 0, is_before_with_region), repainted, changed;
+Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, std::vector<CutLine> healed) {
+  std::sort(healed.begin(), healed.end());
+  Boxes stirred = news_of(healed_, healed, space, 0), repainted, changed;
   painted_.resize(static_cast<std::size_t>(tiles_.tile_count()));
   painted_stamp_.resize(painted_.size(), 0);
   std::vector<cv::Mat1i> before;
@@ -260,15 +253,15 @@ Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, const std:
         partition_.labels(y, x) = local ? numbers[static_cast<std::size_t>(local - 1)] : 0;
       }
   }
-  for (const CutOpening& cut : healed) {
+  for (const CutLine& cut : healed) {
     if (!meet(repainted, box_of(cut, space, 0))) continue;
-    cv::LineIterator cells(partition_.labels, space.cell(cut.opening.a), space.cell(cut.opening.b), 8);
+    cv::LineIterator cells(partition_.labels, space.cell(cut.a), space.cell(cut.b), 8);
     for (int k = 0; k < cells.count; ++k, ++cells)
-      if (floor.open(cells.pos()) && partition_.labels(cells.pos()) == 0) partition_.labels(cells.pos()) = cut.left;
+      if (floor.open(cells.pos()) && partition_.labels(cells.pos()) == 0) partition_.labels(cells.pos()) = cut.region;
   }
   for (std::size_t k = 0; k < repainted.size(); ++k)
     if (const cv::Rect news = difference(before[k] > 0, partition_.labels(repainted[k]) > 0); news.area() > 0) changed.push_back(news + repainted[k].tl());
-  healed_ = healed;
+  healed_ = std::move(healed);
   return changed;
 }
 
@@ -281,9 +274,10 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
     parted_ = cv::Mat1b(floor.open.size(), std::uint8_t{0});
     partition_.labels = cv::Mat1i(floor.open.size(), 0);
   }
-  std::vector<CutOpening> cuts = choose_cuts(openings, options_.min_probability), ordered = cuts;
-  std::sort(ordered.begin(), ordered.end(), is_before);
-  const Boxes parted = draw_cuts(floor, space, ordered, open);
+  std::vector<CutOpening> cuts = choose_cuts(openings, options_.min_probability);
+  std::vector<CutLine> lines, kept, healed;
+  for (const CutOpening& cut : cuts) lines.push_back({cut.opening.a, cut.opening.b, 0});
+  const Boxes parted = draw_cuts(floor, space, std::move(lines), open);
   tiles_.update(parted_, parted);
   const auto region_at = [&](const cv::Point& c) { return tiles_.at(c); };
   for (CutOpening& cut : cuts) {
@@ -316,18 +310,17 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
   for (std::size_t k = 0; k < roots.size(); ++k) roots[k] = regions.root(static_cast<int>(k));
   number_regions(roots, slots);
 
-  std::vector<CutOpening> healed;
   partition_.cuts.clear();
   for (CutOpening& cut : cuts) {
     cut.left = number_of_[static_cast<std::size_t>(cut.left)];
     cut.right = number_of_[static_cast<std::size_t>(cut.right)];
-    if (cut.left && cut.right) (cut.left == cut.right ? healed : partition_.cuts).push_back(cut);
+    if (!cut.left || !cut.right) continue;
+    if (cut.left != cut.right) partition_.cuts.push_back(cut);
+    (cut.left == cut.right ? healed : kept).push_back({cut.opening.a, cut.opening.b, cut.left == cut.right ? cut.left : 0});
   }
-  std::sort(healed.begin(), healed.end(), is_before_with_region);
-  Boxes changed = paint(floor, space, healed);
-  std::vector<CutOpening> kept = partition_.cuts;
-  std::sort(kept.begin(), kept.end(), is_before);
-  const Boxes news = news_of(kept_, kept, space, kAroundCut_m, is_before);
+  Boxes changed = paint(floor, space, std::move(healed));
+  std::sort(kept.begin(), kept.end());
+  const Boxes news = news_of(kept_, kept, space, kAroundCut_m);
   changed.insert(changed.end(), news.begin(), news.end());
   kept_ = std::move(kept);
   return changed;

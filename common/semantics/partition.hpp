@@ -3,6 +3,7 @@
 #pragma once
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "common/semantics/memo.hpp"
 #include "common/semantics/openings.hpp"
@@ -58,18 +59,28 @@ class FloorParter {
     double width, depth;             ///< [cells]
   };
 
-  Boxes draw_cuts(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& cuts, const Boxes& open);
+  /// What is drawn of a cut: its line, and the region that it heals.
+  struct CutLine {
+    Eigen::Vector2d a, b;
+    int region = 0;
+    auto order() const { return std::tuple(a.x(), a.y(), b.x(), b.y(), region); }
+    bool operator<(const CutLine& o) const { return order() < o.order(); }
+  };
+
+  static cv::Rect box_of(const CutLine& cut, const KnownSpace& space, double margin_m);
+  static Boxes news_of(const std::vector<CutLine>& before, const std::vector<CutLine>& now, const KnownSpace& space, double margin_m);
+  Boxes draw_cuts(const Floor& floor, const KnownSpace& space, std::vector<CutLine> cuts, const Boxes& open);
   double walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const WallSet& walls) const;
   Niche niche_of(const Region& region, int number) const;
   std::set<int> find_slots(const std::vector<CutOpening>& cuts, const Floor& floor);
   void number_regions(const std::vector<int>& roots, const std::set<int>& slots);
-  Boxes paint(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& healed);
+  Boxes paint(const Floor& floor, const KnownSpace& space, std::vector<CutLine> healed);
 
   PartitionOptions options_;
   Partition partition_;
   TiledRegions tiles_;
   cv::Mat1b parted_;                            ///< the floor without its cuts
-  std::vector<CutOpening> drawn_, kept_, healed_;  ///< of the last round
+  std::vector<CutLine> drawn_, kept_, healed_;  ///< of the last round, in order
   Memo<Members, double> walled_;
   Memo<Members, Niche> niches_;
   std::map<Members, int> numbers_;
