@@ -10,8 +10,7 @@ namespace {
 
 using Vec = Eigen::Vector2d;
 
-constexpr double kLongest_m = 5.5;                          // of a front
-constexpr double kLongDepth_m = 1.3;                        // its depth when it is long (counters, shelves) ...
+constexpr double kLongDepth_m = 1.3;                        // depth behind a long front (counters, shelves) ...
 constexpr double kBulky_m = 2.6, kBulkyDepth_m = 2.2;       // ... when it is not (beds, cupboards) ...
 constexpr double kCarFrom_m = 1.4, kCarTo_m = 2.3, kCarDepth_m = 5.2;  // ... and of a parked car
 constexpr double kBesideBack_m = 1.0, kPastBack_m = 0.5;
@@ -24,7 +23,7 @@ constexpr double kSmallGroup_m = 4.0;                       // a group of faces 
 constexpr double kNext_m = kDoor_m + 0.3;                   // faces of one group are this near
 
 double deepest_m(double front_m) {
-  if (front_m > kLongest_m) return 0;
+  if (front_m > kLongestFront_m) return 0;
   if (front_m > kCarFrom_m && front_m < kCarTo_m) return kCarDepth_m;
   return front_m < kBulky_m ? kBulkyDepth_m : kLongDepth_m;
 }

@@ -9,6 +9,9 @@
 
 namespace modslam {
 
+/// A longer straight face is a wall whatever seems to lie behind it.
+constexpr double kLongestFront_m = 5.5;
+
 /// A box of the plan, with sides along x and y [m].
 struct PlanBox {
   Eigen::Vector2d low, high;

@@ -193,6 +193,7 @@ Boxes Interpreter::find_hidden(const std::vector<Room>& rooms, const KnownSpace&
 /// Faces that stand in a room, off its outline, with what nobody saw behind them, belong to what is in the room: parked cars, beds, counters.
 void Interpreter::drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& space, const Boxes& open, const WallSet::News& news) {
   const auto hides = [&](const Wall& wall) {
+    if (wall.length_m() > kLongestFront_m) return false;
     const Eigen::Vector2d u = wall.direction(), from = wall.a - kBehind_m * wall.normal();
     int behind = 0, looked = 0;
     for (double s = 0.1, length_m = wall.length_m(); s < length_m; s += 0.1, ++looked) {
