@@ -187,47 +187,57 @@ FloorParter::Niche FloorParter::niche_of(const Region& region, int number) const
 /// Gaps between parked cars: dead ends as wide as their mouths with a car's width of closed space beside them. They are no rooms.
 std::set<int> FloorParter::find_slots(const std::vector<CutOpening>& cuts, const Floor& floor) {
   const double cell_m = floor.resolution_m;
-  std::map<int, std::vector<const CutOpening*>> of_region;
+  std::vector<int> ways(tiles_.regions().size() + 1, 0);
+  std::vector<const CutOpening*> mouths(ways.size(), nullptr);
   for (const CutOpening& cut : cuts)
-    if (cut.left && cut.right && cut.left != cut.right) of_region[cut.left].push_back(&cut), of_region[cut.right].push_back(&cut);
+    if (cut.left && cut.right && cut.left != cut.right)
+      for (const int side : {cut.left, cut.right}) ++ways[static_cast<std::size_t>(side)], mouths[static_cast<std::size_t>(side)] = &cut;
   std::set<int> slots;
-  for (const auto& [number, ways] : of_region) {
+  for (int number = 1; number < static_cast<int>(ways.size()); ++number) {
     const Region& region = tiles_.regions()[static_cast<std::size_t>(number - 1)];
-    if (ways.size() != 1 || region.cells * cell_m * cell_m >= kMostSlotDepth_m * kMostSlotDepth_m / 1.5) continue;
-    const Niche& niche = niches_.ask(region.members, region.box, [&, number = number] { return niche_of(region, number); });
-    if (!is_slot(niche.width * cell_m, niche.depth * cell_m, niche.across, ways[0]->opening)) continue;
+    if (ways[static_cast<std::size_t>(number)] != 1 || region.cells * cell_m * cell_m >= kMostSlotDepth_m * kMostSlotDepth_m / 1.5) continue;
+    const Niche& niche = niches_.ask(region.members, region.box, [&] { return niche_of(region, number); });
+    if (!is_slot(niche.width * cell_m, niche.depth * cell_m, niche.across, mouths[static_cast<std::size_t>(number)]->opening)) continue;
     const bool beside_car = beside_m(niche.centre, niche.across, niche.width, floor) >= kCarFrom_m || beside_m(niche.centre, -niche.across, niche.width, floor) >= kCarFrom_m;
     if (beside_car) slots.insert(number);
   }
   return slots;
 }
 
+std::size_t FloorParter::HashMembers::operator()(const Members& members) const {
+  std::size_t hash = members.size();
+  for (const Region::Member& member : members)
+    for (const int x : {member.tile, member.local, member.stamp}) hash = hash * 1000003 + static_cast<std::size_t>(x);
+  return hash;
+}
+
 /// A region that consists of the same pieces of the same tiles as before keeps its number.
 void FloorParter::number_regions(const std::vector<int>& roots, const std::set<int>& slots) {
   const std::vector<Region>& raw = tiles_.regions();
-  std::map<int, Members> members;
-  std::map<int, FloorRegion> joined;
+  std::vector<Members> members(roots.size());
+  std::vector<FloorRegion> joined(roots.size());
   for (std::size_t k = 1; k < roots.size(); ++k) {
     const Region& region = raw[k - 1];
-    Members& all = members[roots[k]];
-    all.insert(all.end(), region.members.begin(), region.members.end());
-    FloorRegion& whole = joined[roots[k]];
+    const auto root = static_cast<std::size_t>(roots[k]);
+    members[root].insert(members[root].end(), region.members.begin(), region.members.end());
+    FloorRegion& whole = joined[root];
     whole.box |= region.box;
     whole.cells += region.cells;
     whole.parking = whole.parking || slots.count(static_cast<int>(k)) > 0;
   }
-  std::map<Members, int> numbers;
-  std::map<int, int> number_of_root;
+  std::unordered_map<Members, int, HashMembers> numbers(numbers_.size());
+  std::vector<int> number_of_root(roots.size(), 0);
   partition_.regions.clear();
-  for (auto& [root, all] : members) {
-    const auto known = numbers_.find(all);
+  for (std::size_t root = 1; root < roots.size(); ++root) {
+    if (members[root].empty()) continue;
+    const auto known = numbers_.find(members[root]);
     const int number = number_of_root[root] = known == numbers_.end() ? next_++ : known->second;
-    numbers.emplace(std::move(all), number);
+    numbers.emplace(std::move(members[root]), number);
     partition_.regions[number] = joined[root];
   }
   numbers_ = std::move(numbers);
   number_of_.assign(roots.size(), 0);
-  for (std::size_t k = 1; k < roots.size(); ++k) number_of_[k] = number_of_root[roots[k]];
+  for (std::size_t k = 1; k < roots.size(); ++k) number_of_[k] = number_of_root[static_cast<std::size_t>(roots[k])];
 }
 
 /// Where two regions became one, the cut between them is floor again.

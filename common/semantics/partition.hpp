@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 #include <tuple>
+#include <unordered_map>
 
 #include "common/semantics/memo.hpp"
 #include "common/semantics/openings.hpp"
@@ -54,6 +55,9 @@ class FloorParter {
 
  private:
   using Members = std::vector<Region::Member>;
+  struct HashMembers {
+    std::size_t operator()(const Members& members) const;
+  };
   struct Niche {
     Eigen::Vector2d centre, across;  ///< of a dead end as a box; across: along its short sides
     double width, depth;             ///< [cells]
@@ -83,7 +87,7 @@ class FloorParter {
   std::vector<CutLine> drawn_, kept_, healed_;  ///< of the last round, in order
   Memo<Members, double> walled_;
   Memo<Members, Niche> niches_;
-  std::map<Members, int> numbers_;
+  std::unordered_map<Members, int, HashMembers> numbers_;
   std::vector<int> number_of_;                  ///< final number of each region of tiles_
   std::vector<std::vector<int>> painted_;       ///< numbers in each tile, as painted
   std::vector<int> painted_stamp_;

@@ -151,7 +151,9 @@ RoomPatch RoomMap::patch_of(int region, const Partition& partition, const Floor&
     const cv::Point c = space.cell(p);
     return box.contains(c) && partition.labels(c) == region;
   };
+  const Eigen::Vector2d low = space.centre(wide.tl()).array() - 2 * kDoorway_m, high = space.centre(wide.br()).array() + 2 * kDoorway_m;
   for (const CutOpening& cut : partition.cuts) {
+    if ((cut.opening.a.cwiseMax(cut.opening.b).array() < low.array()).any() || (cut.opening.a.cwiseMin(cut.opening.b).array() > high.array()).any()) continue;
     const cv::Point a = space.cell(cut.opening.a), b = space.cell(cut.opening.b);
     if (!meet(grown(cv::Rect(a, cv::Size(1, 1)) | cv::Rect(b, cv::Size(1, 1)), static_cast<int>(kDoorway_m / cell_m) + 2), wide)) continue;
     cv::line(barrier, a - wide.tl(), b - wide.tl(), cv::Scalar(255), 1, cv::LINE_8);
