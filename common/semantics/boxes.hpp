@@ -12,6 +12,12 @@ inline cv::Rect grown(const cv::Rect& box, int cells) { return {box.x - cells, b
 
 inline bool meet(const cv::Rect& p, const cv::Rect& q) { return (p & q).area() > 0; }
 
+inline cv::Rect bounds(const Boxes& boxes) {
+  cv::Rect all;
+  for (const cv::Rect& box : boxes) all |= box;
+  return all;
+}
+
 bool meet(const Boxes& boxes, const cv::Rect& box);
 
 /// Boxes grown by so many cells and cut off at the frame; those that share much become one.

@@ -10,7 +10,7 @@ namespace {
 using Vec = Eigen::Vector2d;
 
 constexpr double kBeyond_m = 1.0, kHitBeyond_m = 0.6, kWay_m = 4.0, kRoomyWay_m = 2.5, kBeside_m = 0.35, kMostFlare = 4;
-constexpr double kAtWall_m = 0.25, kLongWall_m = 3.0, kSquare_m = 3.2;
+constexpr double kAtWall_m = 0.25, kLongWall_m = 3.0;
 
 cv::Point cell(const Vec& p) { return {cvRound(p.x()), cvRound(p.y())}; }
 
@@ -19,10 +19,8 @@ double align(const Corner& corner, const Vec& out) { return std::max(out.dot(cor
 
 }  // namespace
 
-CutFeatures::CutFeatures(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls)
-    : floor_(floor), space_(space), walls_(walls), index_(kSquare_m), cell_m_(floor.resolution_m) {
-  for (std::size_t k = 0; k < walls.size(); ++k) index_.add(walls[k].a, walls[k].b, k);
-}
+CutFeatures::CutFeatures(const Floor& floor, const KnownSpace& space, const WallSet& walls)
+    : floor_(floor), space_(space), walls_(walls), cell_m_(floor.resolution_m) {}
 
 bool is_clear(const Floor& floor, const Vec& a, const Vec& b) {
   const double length = (b - a).norm();
@@ -92,7 +90,7 @@ CutFeatures::Side CutFeatures::look(const FloorCut& cut, const Vec& n) const {
 
 double CutFeatures::wall_at_m(const Vec& p) const {
   double longest = 0;
-  for (const std::size_t k : index_.near(p, p, kAtWall_m)) {
+  for (const std::size_t k : walls_.near(p, p, kAtWall_m)) {
     const Wall& wall = walls_[k];
     if ((p.array() < wall.a.cwiseMin(wall.b).array() - kAtWall_m).any() || (p.array() > wall.a.cwiseMax(wall.b).array() + kAtWall_m).any()) continue;
     const Vec u = wall.direction();

@@ -2,13 +2,12 @@
 /// @file What is measured of a cut through the floor.
 #pragma once
 #include "common/semantics/openings.hpp"
-#include "common/semantics/plan_index.hpp"
 
 namespace modslam {
 
 class CutFeatures {
  public:
-  CutFeatures(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls);
+  CutFeatures(const Floor& floor, const KnownSpace& space, const WallSet& walls);
 
   /// @param narrowest  length of the narrowest cut near by.
   Opening measure(const FloorCut& cut, double narrowest) const;
@@ -32,8 +31,7 @@ class CutFeatures {
 
   const Floor& floor_;
   const KnownSpace& space_;
-  const std::vector<Wall>& walls_;
-  PlanIndex index_;
+  const WallSet& walls_;
   double cell_m_;
 };
 

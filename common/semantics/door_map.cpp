@@ -13,13 +13,15 @@ constexpr double kSquare_m = 0.4;
 
 std::pair<int, int> square_of(const Eigen::Vector2d& p) { return {static_cast<int>(std::floor(p.x() / kSquare_m)), static_cast<int>(std::floor(p.y() / kSquare_m))}; }
 
+std::int64_t key_of(const std::pair<int, int>& square) { return square.first * (std::int64_t{1} << 32) + square.second; }
+
 Eigen::Vector2d centre_of(const DoorSighting& s) { return 0.5 * (s.a + s.b); }
 
 }  // namespace
 
 void DoorSightings::add(const DoorSighting& sighting, int sign) {
   if (!(centre_of(sighting).cwiseAbs().maxCoeff() < 1e6)) return;
-  std::vector<DoorSighting>& here = squares_[square_of(centre_of(sighting))];
+  std::vector<DoorSighting>& here = squares_[key_of(square_of(centre_of(sighting)))];
   if (sign > 0) {
     here.push_back(sighting);
     return;
@@ -34,7 +36,7 @@ int DoorSightings::support(const Opening& opening, double centre_m) const {
   int count = 0;
   for (int x = low.first; x <= high.first; ++x)
     for (int y = low.second; y <= high.second; ++y) {
-      const auto square = squares_.find({x, y});
+      const auto square = squares_.find(key_of({x, y}));
       if (square == squares_.end()) continue;
       for (const DoorSighting& s : square->second) {
         const Eigen::Vector2d d = s.b - s.a;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Doors: the openings between rooms that are as wide as doors, with what scans saw of them over time (thesis 3.4.3).
 #pragma once
-#include <map>
+#include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include "common/semantics/door_sensor.hpp"
@@ -24,7 +25,7 @@ class DoorSightings {
   int support(const Opening& opening, double centre_m) const;
 
  private:
-  std::map<std::pair<int, int>, std::vector<DoorSighting>> squares_;
+  std::unordered_map<std::int64_t, std::vector<DoorSighting>> squares_;
 };
 
 /// @param sightings each adds to the evidence of the door it saw.

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -19,7 +20,12 @@ class EvidenceGrid {
   /// One scan point at p [m], on a straight piece or not; sign -1 takes it back.
   void add(const Eigen::Vector2d& p, bool on_line, int sign) {
     const int i = index(p.x()), j = index(p.y());
-    tiles_[key_of(i, j)][cell_of(i, j)] += on_line ? sign : -sign;
+    if (const std::int64_t key = key_of(i, j); last_ == tiles_.size() || key != last_key_) {  // a scan's points stay in a tile for a while
+      last_key_ = key;
+      last_ = numbers_.emplace(key, tiles_.size()).first->second;
+      if (last_ == tiles_.size()) tiles_.push_back({});
+    }
+    tiles_[last_][cell_of(i, j)] += on_line ? sign : -sign;
     if (const Index tile(i >> kShift, j >> kShift); changed_.empty() || changed_.back() != tile) changed_.push_back(tile);
   }
   /// Cells (column, row; counted from the map's origin) whose log-odds changed since the last call, as squares: corner and width.
@@ -38,15 +44,16 @@ class EvidenceGrid {
     std::int64_t balance = 0;
     const int x = i & (kSide - 1), y = j & (kSide - 1);
     if (x > 0 && y > 0 && x + 1 < kSide && y + 1 < kSide) {  // all in one tile
-      const auto tile = tiles_.find(key_of(i, j));
-      if (tile == tiles_.end()) return 0;
+      const auto tile = numbers_.find(key_of(i, j));
+      if (tile == numbers_.end()) return 0;
+      const Tile& cells = tiles_[tile->second];
       for (int dj = -1; dj <= 1; ++dj)
-        for (int di = -1; di <= 1; ++di) balance += tile->second[cell_of(i + di, j + dj)];
+        for (int di = -1; di <= 1; ++di) balance += cells[cell_of(i + di, j + dj)];
       return std::clamp(kPerPoint * static_cast<double>(balance), -kMost, kMost);
     }
     for (int dj = -1; dj <= 1; ++dj)
       for (int di = -1; di <= 1; ++di)
-        if (const auto tile = tiles_.find(key_of(i + di, j + dj)); tile != tiles_.end()) balance += tile->second[cell_of(i + di, j + dj)];
+        if (const auto tile = numbers_.find(key_of(i + di, j + dj)); tile != numbers_.end()) balance += tiles_[tile->second][cell_of(i + di, j + dj)];
     return std::clamp(kPerPoint * static_cast<double>(balance), -kMost, kMost);
   }
 
@@ -62,7 +69,10 @@ class EvidenceGrid {
   static std::size_t cell_of(int i, int j) { return static_cast<std::size_t>(((j & (kSide - 1)) << kShift) + (i & (kSide - 1))); }
 
   double resolution_m_;
-  std::unordered_map<std::int64_t, Tile> tiles_;
+  std::unordered_map<std::int64_t, std::size_t> numbers_;  ///< of the tiles
+  std::deque<Tile> tiles_;
+  std::int64_t last_key_ = 0;
+  std::size_t last_ = 0;                                   ///< tile of the last point; as many as there are tiles: none
   std::vector<Index> changed_;
 };
 

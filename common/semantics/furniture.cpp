@@ -3,179 +3,246 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
-
-#include "common/semantics/plan_index.hpp"
+#include <tuple>
 
 namespace modslam {
 namespace {
 
 using Vec = Eigen::Vector2d;
 
-constexpr double kLongest_m = 5.5;                          // of a front
-constexpr double kLongDepth_m = 1.3;                        // its depth when it is long (counters, shelves) ...
+constexpr double kLongDepth_m = 1.3;                        // depth behind a long front (counters, shelves) ...
 constexpr double kBulky_m = 2.6, kBulkyDepth_m = 2.2;       // ... when it is not (beds, cupboards) ...
 constexpr double kCarFrom_m = 1.4, kCarTo_m = 2.3, kCarDepth_m = 5.2;  // ... and of a parked car
-constexpr double kSquare_m = 3.2, kBesideBack_m = 1.0;
+constexpr double kBesideBack_m = 1.0, kPastBack_m = 0.5;
 const double kSameWay = std::cos(0.15);
 constexpr double kLeastDepth_m = 0.15;
 constexpr double kTouch_m = 0.25, kDoor_m = 1.7, kInLine_m = 0.12;
+constexpr double kThickest_m = 0.65;                       // of a wall
 constexpr double kInwards_m2 = 0.5;
 constexpr double kSmallGroup_m = 4.0;                       // a group of faces this small that nothing joins to others stands alone
-
-/// What a front hides: from the line of the wall behind it up to itself.
-struct Niche {
-  Vec origin, along, out;  ///< a place on the wall's line; along it; towards the front
-  double low, high, depth;
-
-  bool holds(const Vec& p) const {
-    const double u = along.dot(p - origin), v = out.dot(p - origin);
-    return u > low - 0.2 && u < high + 0.2 && v > -0.2 && v < depth + 0.15;
-  }
-};
+constexpr double kNext_m = kDoor_m + 0.3;                   // faces of one group are this near
 
 double deepest_m(double front_m) {
-  if (front_m > kLongest_m) return 0;
+  if (front_m > kLongestFront_m) return 0;
   if (front_m > kCarFrom_m && front_m < kCarTo_m) return kCarDepth_m;
   return front_m < kBulky_m ? kBulkyDepth_m : kLongDepth_m;
 }
 
+/// What lies farther from a front has no say in what it hides.
+double reach_m(double front_m) { return deepest_m(front_m) + kBesideBack_m + 2 * kInLine_m; }
+
 double distance_to(const Vec& p, const Wall& wall) {
-  const double t = std::clamp(wall.direction().dot(p - wall.a), 0.0, wall.length_m());
-  return (p - wall.a - t * wall.direction()).norm();
+  const Vec d = wall.b - wall.a;
+  return (p - wall.a - std::clamp(d.dot(p - wall.a) / d.squaredNorm(), 0.0, 1.0) * d).norm();
 }
 
-class FurnitureFinder {
- public:
-  FurnitureFinder(const std::vector<Wall>& walls, const std::function<bool(const Vec&)>& is_free)
-      : walls_(walls), is_free_(is_free), furniture_(walls.size(), false), index_(kSquare_m) {
-    for (std::size_t k = 0; k < walls.size(); ++k) {
-      directions_.push_back(walls[k].direction());
-      index_.add(walls[k].a, walls[k].b, k);
-    }
-  }
+PlanBox box_of(const Wall& wall) { return {wall.a.cwiseMin(wall.b), wall.a.cwiseMax(wall.b)}; }
 
-  std::vector<bool> run() {
-    find_fronts();
-    find_sides();
-    find_lone_groups();
-    return furniture_;
-  }
+bool meet(const PlanBox& p, const PlanBox& q, double margin_m) {
+  return ((p.low.array() - margin_m) <= q.high.array()).all() && ((q.low.array() - margin_m) <= p.high.array()).all();
+}
 
- private:
-  void find_fronts() {
-    for (std::size_t i = 0; i < walls_.size(); ++i) {
-      const double deepest = deepest_m(walls_[i].length_m());
-      if (deepest == 0) continue;
-      for (const std::size_t j : index_.near(walls_[i].a, walls_[i].b, deepest + kBesideBack_m))
-        if (j != i && directions_[i].dot(directions_[j]) >= kSameWay && stands_before(walls_[i], walls_[j])) {
-          furniture_[i] = true;
-          break;
-        }
-    }
-  }
+double free_between(const Wall& front, const Vec& half, const FurnitureMap::IsFree& is_free) {
+  const Vec u = front.direction();
+  int free = 0, asked = 0;
+  for (double s = 0.1, end = front.length_m() - 0.1; s < end; s += 0.1, ++asked) free += is_free(front.a + s * u - half);
+  return asked ? static_cast<double>(free) / asked : 0;
+}
 
-  /// Whether the wall is seen beside the front, looks the same way, and nothing free lies between the two.
-  bool stands_before(const Wall& front, const Wall& back) {
-    const Vec d = back.direction(), out = back.normal();
-    const Niche niche{back.a, d, out, d.dot(front.a - back.a), d.dot(front.b - back.a), out.dot(0.5 * (front.a + front.b) - back.a)};
-    if (niche.depth < kLeastDepth_m || niche.depth > deepest_m(front.length_m())) return false;
-    if (niche.low > back.length_m() + 0.5 || niche.high < -0.5) return false;
-    if (free_between(front, 0.5 * niche.depth * out) > 0.3 || length_behind(back, niche) < 0.5 * front.length_m()) return false;
-    niches_.push_back(niche);
-    return true;
-  }
+/// Whether the two are the faces of one wall: they look away from each other, and no more than a wall is between them.
+bool are_back_to_back(const Wall& p, const Wall& q, const Vec& u) {
+  if (u.dot(q.direction()) > -0.985) return false;
+  const double thick_m = -p.normal().dot(0.5 * (q.a + q.b) - p.a);
+  const double low = std::max(0.0, u.dot(q.b - p.a)), high = std::min(p.length_m(), u.dot(q.a - p.a));
+  return thick_m > 0 && thick_m < kThickest_m && high - low > 0.5 * std::min(p.length_m(), q.length_m());
+}
 
-  double free_between(const Wall& front, const Vec& half) const {
-    int free = 0, asked = 0;
-    for (double s = 0.1; s < front.length_m() - 0.1; s += 0.1, ++asked) free += is_free_(front.a + s * front.direction() - half);
-    return asked ? static_cast<double>(free) / asked : 0;
+bool belong_together(const Wall& p, const Wall& q) {
+  if (!meet(box_of(p), box_of(q), kNext_m)) return false;
+  const Vec u = p.direction();
+  if (are_back_to_back(p, q, u)) return true;
+  const double gap = std::max(u.dot(q.a - p.b), u.dot(p.a - q.b));
+  const bool in_line = std::abs(u.dot(q.direction())) > 0.985 && std::abs(p.normal().dot(q.a - p.a)) < kInLine_m + 0.2 &&
+                       std::abs(p.normal().dot(q.b - p.a)) < kInLine_m + 0.2;
+  if (in_line) {
+    const double nearest = std::min({(p.a - q.a).norm(), (p.a - q.b).norm(), (p.b - q.a).norm(), (p.b - q.b).norm()});
+    if (gap < kDoor_m && nearest < kNext_m) return true;
   }
+  return std::min({distance_to(p.a, q), distance_to(p.b, q), distance_to(q.a, p), distance_to(q.b, p)}) < kTouch_m;
+}
 
-  double length_behind(const Wall& back, const Niche& niche) const {
-    double sum = 0;
-    const Vec low_end = niche.origin + niche.low * niche.along, high_end = niche.origin + niche.high * niche.along;
-    for (const std::size_t k : index_.near(low_end, high_end, 1 + kInLine_m)) {
-      const Wall& wall = walls_[k];
-      if (niche.along.dot(directions_[k]) < 0.99 || std::abs(niche.out.dot(0.5 * (wall.a + wall.b) - back.a)) > kInLine_m) continue;
-      const double low = niche.along.dot(wall.a - niche.origin), high = niche.along.dot(wall.b - niche.origin);
-      if (low < niche.high + 1 && high > niche.low - 1) sum += wall.length_m();
-    }
-    return sum;
-  }
-
-  void find_sides() {
-    for (const Niche& niche : niches_) {
-      const Vec low = niche.origin + niche.low * niche.along, high = niche.origin + niche.high * niche.along + niche.depth * niche.out;
-      for (const std::size_t i : index_.near(low, high, niche.depth))
-        if (std::abs(niche.along.dot(directions_[i])) < 0.3 && niche.holds(walls_[i].a) && niche.holds(walls_[i].b)) furniture_[i] = true;
-    }
-  }
-
-  bool belong_together(const Wall& p, const Wall& q) const {
-    const Vec apart = (p.a.cwiseMin(p.b) - q.a.cwiseMax(q.b)).cwiseMax(q.a.cwiseMin(q.b) - p.a.cwiseMax(p.b));
-    if (apart.maxCoeff() > kDoor_m + 0.3) return false;
-    const Vec u = p.direction();
-    const double gap = std::max(u.dot(q.a - p.b), u.dot(p.a - q.b));
-    const bool in_line = std::abs(u.dot(q.direction())) > 0.985 && std::abs(p.normal().dot(q.a - p.a)) < kInLine_m + 0.2 &&
-                         std::abs(p.normal().dot(q.b - p.a)) < kInLine_m + 0.2;
-    if (in_line) {
-      const double nearest = std::min({(p.a - q.a).norm(), (p.a - q.b).norm(), (p.b - q.a).norm(), (p.b - q.b).norm()});
-      if (gap < kDoor_m && nearest < kDoor_m + 0.3) return true;
-    }
-    return std::min({distance_to(p.a, q), distance_to(p.b, q), distance_to(q.a, p), distance_to(q.b, p)}) < kTouch_m;
-  }
-
-  /// Walls that a wall hangs together with, itself among them; no more than it takes to see that they are no small group.
-  std::vector<std::size_t> group_of(std::size_t first, const std::vector<bool>& front, Vec& low, Vec& high) const {
-    std::vector<std::size_t> group{first};
-    std::set<std::size_t> known{first};
-    low = Vec(1e9, 1e9);
-    high = -low;
-    for (std::size_t next = 0; next < group.size(); ++next) {
-      const Wall& wall = walls_[group[next]];
-      low = low.cwiseMin(wall.a).cwiseMin(wall.b);
-      high = high.cwiseMax(wall.a).cwiseMax(wall.b);
-      if ((high - low).norm() >= kSmallGroup_m) break;
-      for (const std::size_t j : index_.near(wall.a, wall.b, kDoor_m + 0.3))
-        if (!front[j] && !known.count(j) && (belong_together(wall, walls_[j]) || belong_together(walls_[j], wall))) group.push_back(j), known.insert(j);
-    }
-    return group;
-  }
-
-  void find_lone_groups() {
-    Vec all_low(1e9, 1e9), all_high(-1e9, -1e9);
-    for (const Wall& wall : walls_) {
-      all_low = all_low.cwiseMin(wall.a).cwiseMin(wall.b);
-      all_high = all_high.cwiseMax(wall.a).cwiseMax(wall.b);
-    }
-    if (walls_.empty() || (all_high - all_low).norm() < 2 * kSmallGroup_m) return;  // nothing larger was seen yet
-    const std::vector<bool> front = furniture_;
-    for (std::size_t i = 0; i < walls_.size(); ++i) {
-      if (furniture_[i] || walls_[i].length_m() >= kSmallGroup_m) continue;
-      Vec low, high;
-      const std::vector<std::size_t> group = group_of(i, front, low, high);
-      if ((high - low).norm() >= kSmallGroup_m) continue;
-      // The faces of a small room look inwards, those of a thing outwards.
-      double outwards = 0;
-      for (const std::size_t k : group) outwards += walls_[k].length_m() * walls_[k].normal().dot(0.5 * (walls_[k].a + walls_[k].b) - 0.5 * (low + high));
-      for (const std::size_t k : group)
-        if (outwards > -kInwards_m2) furniture_[k] = true;
-    }
-  }
-
-  const std::vector<Wall>& walls_;
-  const std::function<bool(const Vec&)>& is_free_;
-  std::vector<bool> furniture_;
-  std::vector<Niche> niches_;
-  std::vector<Vec> directions_;
-  PlanIndex index_;
-};
+void sort_once(std::vector<std::size_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
 
 }  // namespace
 
-std::vector<bool> find_furniture(const std::vector<Wall>& walls, const std::function<bool(const Eigen::Vector2d&)>& is_free) {
-  return FurnitureFinder(walls, is_free).run();
+bool FurnitureMap::Niche::holds(const Vec& p) const {
+  const double u = along.dot(p - origin), v = out.dot(p - origin);
+  return u > low - 0.2 && u < high + 0.2 && v > -0.2 && v < depth + 0.15;
 }
+
+PlanBox FurnitureMap::Niche::box() const {
+  const Vec p = origin + low * along, q = origin + high * along, up = depth * out;
+  return {(p.cwiseMin(q).cwiseMin(p + up).cwiseMin(q + up)).array() - 0.3, (p.cwiseMax(q).cwiseMax(p + up).cwiseMax(q + up)).array() + 0.3};
+}
+
+/// Behind the front is the nearest wall that is seen beside it and looks the same way, with nothing free between the two.
+std::optional<FurnitureMap::Niche> FurnitureMap::niche_of(const Wall& front, const IsFree& is_free) const {
+  const double length_m = front.length_m(), deepest = deepest_m(length_m);
+  if (deepest == 0) return std::nullopt;
+  std::optional<Niche> found;
+  const Vec direction = front.direction();
+  const auto order = [](const Niche& n) { return std::tuple(n.depth, n.origin.x(), n.origin.y(), n.low, n.high); };
+  for (const std::size_t j : walls_.near(front.a, front.b, deepest + kBesideBack_m)) {
+    const Wall& back = walls_[j];
+    if (!meet(box_of(front), box_of(back), deepest + kBesideBack_m)) continue;
+    const Vec d = back.direction(), out = back.normal();
+    if (direction.dot(d) < kSameWay || (front.a == back.a && front.b == back.b)) continue;
+    const Niche niche{back.a, d, out, d.dot(front.a - back.a), d.dot(front.b - back.a), out.dot(0.5 * (front.a + front.b) - back.a)};
+    if (niche.depth < kLeastDepth_m || niche.depth > deepest || (found && order(*found) < order(niche))) continue;
+    if (niche.low > back.length_m() + kPastBack_m || niche.high < -kPastBack_m) continue;
+    if (free_between(front, 0.5 * niche.depth * out, is_free) > 0.3 || length_behind(front, back, niche) < 0.5 * length_m) continue;
+    found = niche;
+  }
+  return found;
+}
+
+double FurnitureMap::length_behind(const Wall& front, const Wall& back, const Niche& niche) const {
+  std::vector<double> lengths;
+  const Vec low_end = niche.origin + niche.low * niche.along, high_end = niche.origin + niche.high * niche.along;
+  for (const std::size_t k : walls_.near(low_end, high_end, kBesideBack_m + 2 * kInLine_m)) {
+    const Wall& wall = walls_[k];
+    if (!meet(box_of(front), box_of(wall), reach_m(front.length_m()))) continue;
+    if (niche.along.dot(wall.direction()) < 0.99 || std::abs(niche.out.dot(0.5 * (wall.a + wall.b) - back.a)) > kInLine_m) continue;
+    const double low = niche.along.dot(wall.a - niche.origin), high = niche.along.dot(wall.b - niche.origin);
+    if (low < niche.high + kBesideBack_m && high > niche.low - kBesideBack_m) lengths.push_back(wall.length_m());
+  }
+  std::sort(lengths.begin(), lengths.end());  // the sum does not depend on who came first
+  double sum = 0;
+  for (const double length : lengths) sum += length;
+  return sum;
+}
+
+bool FurnitureMap::is_side(const Wall& wall) const {
+  const Vec u = wall.direction();
+  for (const std::size_t k : niche_index_.near(wall.a, wall.b, 0)) {
+    const Niche& niche = *niches_[k];
+    if (std::abs(niche.along.dot(u)) < 0.3 && niche.holds(wall.a) && niche.holds(wall.b)) return true;
+  }
+  return false;
+}
+
+FurnitureMap::Numbers FurnitureMap::near(const std::vector<PlanBox>& boxes, double margin_m) const {
+  Numbers out;
+  for (const PlanBox& box : boxes)
+    for (const std::size_t k : walls_.near(box.low, box.high, margin_m))
+      if (meet(box, box_of(walls_[k]), margin_m)) out.push_back(k);
+  sort_once(out);
+  return out;
+}
+
+void FurnitureMap::find_fronts(const Numbers& numbers, const IsFree& is_free, std::vector<PlanBox>& stirred) {
+  for (const std::size_t k : numbers) {
+    const std::optional<Niche> niche = niche_of(walls_[k], is_free);
+    if (niche == niches_[k]) continue;
+    for (const auto& one : {niches_[k], niche})
+      if (one) stirred.push_back(one->box());
+    stirred.push_back(box_of(walls_[k]));
+    if (niches_[k]) niche_index_.remove(niches_[k]->box().low, niches_[k]->box().high, k);
+    if (niche) niche_index_.add(niche->box().low, niche->box().high, k);
+    niches_[k] = niche;
+  }
+}
+
+void FurnitureMap::find_sides(const Numbers& numbers, std::vector<PlanBox>& stirred) {
+  for (const std::size_t k : numbers)
+    if (const char side = is_side(walls_[k]); side != side_[k]) {
+      side_[k] = side;
+      stirred.push_back(box_of(walls_[k]));
+    }
+}
+
+/// Walls that a wall hangs together with, itself among them; no more than it takes to see that they are no small group.
+FurnitureMap::Numbers FurnitureMap::group_of(std::size_t first, PlanBox& box) const {
+  Numbers group{first};
+  box = box_of(walls_[first]);
+  for (std::size_t next = 0; next < group.size(); ++next) {
+    const Wall& wall = walls_[group[next]];
+    box.low = box.low.cwiseMin(box_of(wall).low);
+    box.high = box.high.cwiseMax(box_of(wall).high);
+    if ((box.high - box.low).norm() >= kSmallGroup_m) break;
+    for (const std::size_t j : walls_.near(wall.a, wall.b, kNext_m))
+      if (!is_part(j) && (belong_together(wall, walls_[j]) || belong_together(walls_[j], wall)) && std::find(group.begin(), group.end(), j) == group.end())
+        group.push_back(j);
+  }
+  return group;
+}
+
+void FurnitureMap::find_lone_groups(const Numbers& numbers) {
+  for (const std::size_t k : numbers) lone_[k] = false;
+  if (!was_large_) return;
+  const auto order = [&](std::size_t k) { return std::tuple(walls_[k].a.x(), walls_[k].a.y(), walls_[k].b.x(), walls_[k].b.y()); };
+  for (const std::size_t i : numbers) {
+    if (lone_[i] || is_part(i) || walls_[i].length_m() >= kSmallGroup_m) continue;
+    PlanBox box;
+    Numbers group = group_of(i, box);
+    if ((box.high - box.low).norm() >= kSmallGroup_m) continue;
+    std::sort(group.begin(), group.end(), [&](std::size_t p, std::size_t q) { return order(p) < order(q); });
+    // The faces of a small room look inwards, those of a thing outwards.
+    double outwards = 0;
+    for (const std::size_t k : group) outwards += walls_[k].length_m() * walls_[k].normal().dot(0.5 * (walls_[k].a + walls_[k].b) - 0.5 * (box.low + box.high));
+    for (const std::size_t k : group) lone_[k] = outwards > -kInwards_m2;
+  }
+}
+
+/// Whether something larger than a group was seen yet.
+bool FurnitureMap::is_large() const {
+  PlanBox all{Vec(1e9, 1e9), Vec(-1e9, -1e9)};
+  for (const std::size_t k : walls_.numbers()) {
+    all.low = all.low.cwiseMin(box_of(walls_[k]).low);
+    all.high = all.high.cwiseMax(box_of(walls_[k]).high);
+  }
+  return walls_.size() > 0 && (all.high - all.low).norm() >= 2 * kSmallGroup_m;
+}
+
+std::vector<bool> FurnitureMap::update(const std::vector<Wall>& walls, const IsFree& is_free, const std::vector<PlanBox>& changed) {
+  const WallSet::News news = walls_.update(walls);
+  niches_.resize(walls_.end());
+  side_.resize(walls_.end());
+  lone_.resize(walls_.end());
+  std::vector<PlanBox> moved;
+  for (const Numbers* numbers : {&news.gone, &news.come})
+    for (const std::size_t k : *numbers) moved.push_back(box_of(walls_[k]));
+  std::vector<PlanBox> stirred = moved;
+  for (const std::size_t k : news.gone) {
+    if (niches_[k]) {
+      stirred.push_back(niches_[k]->box());
+      niche_index_.remove(niches_[k]->box().low, niches_[k]->box().high, k);
+    }
+    niches_[k].reset();
+    side_[k] = lone_[k] = false;
+  }
+  std::vector<PlanBox> seen = moved;
+  seen.insert(seen.end(), changed.begin(), changed.end());
+  Numbers fronts;
+  for (const std::size_t k : near(seen, reach_m(kCarFrom_m + 0.1))) {
+    const double margin_m = reach_m(walls_[k].length_m());
+    if (deepest_m(walls_[k].length_m()) > 0 && std::any_of(seen.begin(), seen.end(), [&](const PlanBox& box) { return meet(box, box_of(walls_[k]), margin_m); }))
+      fronts.push_back(k);
+  }
+  find_fronts(fronts, is_free, stirred);
+  find_sides(near(stirred, 0), stirred);
+  const bool large = is_large();
+  const bool all = large != was_large_;
+  was_large_ = large;
+  find_lone_groups(all ? walls_.numbers() : near(stirred, kSmallGroup_m + kNext_m + 0.1));
+  std::vector<bool> flags;
+  for (const std::size_t k : walls_.numbers()) flags.push_back(is_part(k) || lone_[k]);
+  return flags;
+}
+
+std::vector<bool> find_furniture(const std::vector<Wall>& walls, const FurnitureMap::IsFree& is_free) { return FurnitureMap().update(walls, is_free, {}); }
 
 }  // namespace modslam

@@ -2,14 +2,60 @@
 /// @file Straight faces that are no walls: fronts and sides of what stands before a wall, and small groups of faces that stand alone.
 #pragma once
 #include <functional>
+#include <optional>
 #include <vector>
 
-#include "common/semantics/types.hpp"
+#include "common/semantics/wall_set.hpp"
 
 namespace modslam {
 
-/// @param is_free whether the floor was seen free at a place: behind the front of a cupboard nothing was. @return one flag a wall.
-/// Cost by the number of walls.
-std::vector<bool> find_furniture(const std::vector<Wall>& walls, const std::function<bool(const Eigen::Vector2d&)>& is_free);
+/// A longer straight face is a wall whatever seems to lie behind it.
+constexpr double kLongestFront_m = 5.5;
+
+/// A box of the plan, with sides along x and y [m].
+struct PlanBox {
+  Eigen::Vector2d low, high;
+};
+
+/// Keeps its answers in step with the walls: worked out anew is only what lies near a change. They are what all of it at once would give.
+class FurnitureMap {
+ public:
+  /// Whether the floor was seen free at a place: behind the front of a cupboard nothing was.
+  using IsFree = std::function<bool(const Eigen::Vector2d&)>;
+
+  /// @param changed  where answers of is_free may be new since the last call. @return one flag a wall.
+  std::vector<bool> update(const std::vector<Wall>& walls, const IsFree& is_free, const std::vector<PlanBox>& changed);
+
+ private:
+  /// What a front hides: from the line of the wall behind it up to itself.
+  struct Niche {
+    Eigen::Vector2d origin, along, out;  ///< a place on the wall's line; along it; towards the front
+    double low, high, depth;
+    bool holds(const Eigen::Vector2d& p) const;
+    PlanBox box() const;
+    bool operator==(const Niche& o) const { return origin == o.origin && along == o.along && low == o.low && high == o.high && depth == o.depth; }
+  };
+  using Numbers = std::vector<std::size_t>;
+
+  std::optional<Niche> niche_of(const Wall& front, const IsFree& is_free) const;
+  double length_behind(const Wall& front, const Wall& back, const Niche& niche) const;
+  bool is_side(const Wall& wall) const;
+  bool is_part(std::size_t number) const { return niches_[number] || side_[number]; }
+  Numbers near(const std::vector<PlanBox>& boxes, double margin_m) const;
+  void find_fronts(const Numbers& numbers, const IsFree& is_free, std::vector<PlanBox>& stirred);
+  void find_sides(const Numbers& numbers, std::vector<PlanBox>& stirred);
+  Numbers group_of(std::size_t first, PlanBox& box) const;
+  void find_lone_groups(const Numbers& numbers);
+  bool is_large() const;
+
+  WallSet walls_;
+  std::vector<std::optional<Niche>> niches_;   ///< by number of the front
+  std::vector<char> side_, lone_;              ///< by number
+  PlanIndex niche_index_{3.2};
+  bool was_large_ = false;
+};
+
+/// All at once.
+std::vector<bool> find_furniture(const std::vector<Wall>& walls, const FurnitureMap::IsFree& is_free);
 
 }  // namespace modslam

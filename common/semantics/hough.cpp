@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/core/hal/intrin.hpp>
 
 namespace modslam {
 namespace {
@@ -29,6 +30,15 @@ Line fit(const std::vector<ScanPoint>& points, const std::vector<int>& members) 
   const double angle_rad = 0.5 * std::atan2(2 * xy, xx - yy);
   const double across2 = std::max(0.0, 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy));
   return {mean, {std::cos(angle_rad), std::sin(angle_rad)}, std::sqrt(across2 / static_cast<double>(members.size()))};
+}
+
+std::int16_t largest(const std::int16_t* values, int count) {
+  cv::v_int16x8 most = cv::v_setall_s16(0);
+  int k = 0;
+  for (; k + 8 <= count; k += 8) most = cv::v_max(most, cv::v_load(values + k));
+  std::int16_t out = cv::v_reduce_max(most);
+  for (; k < count; ++k) out = std::max(out, values[k]);
+  return out;
 }
 
 /// Votes of the points still free: buckets over (angle, distance to the first point).
@@ -61,13 +71,12 @@ class Accumulator {
     for (;;) {
       int angle = 0;
       const int bound = most_.maxCoeff(&angle);
-      double most = 0;
-      cv::Point at;
-      cv::minMaxLoc(votes_.row(angle), nullptr, &most, nullptr, &at);
-      most_(angle) = static_cast<int>(most);
+      const std::int16_t* row = votes_[angle];
+      most_(angle) = largest(row, votes_.cols);
       if (most_(angle) < bound) continue;
+      const auto at = std::find(row, row + votes_.cols, static_cast<std::int16_t>(bound)) - row;
       normal = normals_.col(angle).cast<double>();
-      distance = (at.x - half_ + 0.5) * options_.cell_m + normal.dot(origin_);
+      distance = (static_cast<double>(at) - half_ + 0.5) * options_.cell_m + normal.dot(origin_);
       return bound;
     }
   }

@@ -2,17 +2,14 @@
 #include "common/semantics/interpret.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <opencv2/imgproc.hpp>
-#include <tuple>
-
-#include "common/semantics/furniture.hpp"
 
 namespace modslam {
 namespace {
 
 constexpr double kAtOutline_m = 0.2;  // walls lie this near the outline of their room
 constexpr double kBehind_m = 0.2;     // a face hides what lies this far behind it
+constexpr double kNewsTogether_m = 1.0;  // changes this near are looked at as one
 
 WallMapOptions wall_options(const SemanticsConfig& config) {
   WallMapOptions options;
@@ -53,7 +50,7 @@ bool stands_on(const Wall& wall, const KnownSpace& space, IsIt is_it) {
 
 /// Objects that are a piece of wall between two doors, with furniture against it or without: its face goes on, in line, beyond a gap no wider than a door,
 /// as a wall that stands on no object.
-std::vector<bool> pieces_of_wall(const ObjectMap& found, const std::vector<WallBand>& bands, const KnownSpace& space, const SemanticsConfig& config) {
+std::vector<bool> pieces_of_wall(const ObjectMap& found, const std::vector<const WallBand*>& bands, const KnownSpace& space, const SemanticsConfig& config) {
   std::vector<bool> pieces(found.objects.size(), false);
   const auto mark = [&](const Wall& face, const Wall& next, double gap_m) {
     if (!face.on_object || next.on_object || gap_m > config.door_max_m || next.length_m() <= 1.0 || face.length_m() <= 1.0) return;
@@ -64,9 +61,9 @@ std::vector<bool> pieces_of_wall(const ObjectMap& found, const std::vector<WallB
       pieces[k] = stands_on(face, space, [&](const cv::Point& c) { return island.box.contains(c) && island.mask(c - island.box.tl()); });
     }
   };
-  for (const WallBand& band : bands)
-    for (std::size_t k = 0; k + 1 < band.walls.size(); ++k) {
-      const Wall &p = band.walls[k], &q = band.walls[k + 1];
+  for (const WallBand* band : bands)
+    for (std::size_t k = 0; k + 1 < band->walls.size(); ++k) {
+      const Wall &p = band->walls[k], &q = band->walls[k + 1];
       const double gap_m = (q.a - p.b).norm();
       mark(p, q, gap_m);
       mark(q, p, gap_m);
@@ -75,7 +72,7 @@ std::vector<bool> pieces_of_wall(const ObjectMap& found, const std::vector<WallB
 }
 
 /// The face of a thing that stands free is not a wall: what lies behind it belongs to the object.
-std::vector<Wall> without_faces(const std::vector<WallBand>& bands, const ObjectMap& objects, const std::vector<bool>& dropped, const KnownSpace& space) {
+std::vector<Wall> without_faces(const std::vector<const WallBand*>& bands, const ObjectMap& objects, const std::vector<bool>& dropped, const KnownSpace& space) {
   const auto is_object = [&](const cv::Point& c) {
     if (!objects.mask(c)) return false;
     for (std::size_t k = 0; k < dropped.size(); ++k) {
@@ -86,8 +83,8 @@ std::vector<Wall> without_faces(const std::vector<WallBand>& bands, const Object
   };
   const bool all_stay = std::none_of(dropped.begin(), dropped.end(), [](bool one) { return one; });
   std::vector<Wall> out;
-  for (const WallBand& band : bands)
-    for (const Wall& wall : band.walls)
+  for (const WallBand* band : bands)
+    for (const Wall& wall : band->walls)
       if (!wall.on_object || (!all_stay && !stands_on(wall, space, is_object))) out.push_back(wall);
   return out;
 }
@@ -100,23 +97,21 @@ void drop_doors_to_glimpses(std::vector<Door>& doors, const Partition& partition
   doors.erase(std::remove_if(doors.begin(), doors.end(), leads_there), doors.end());
 }
 
-bool is_before(const Wall& p, const Wall& q) {
-  const auto order = [](const Wall& w) { return std::tuple(w.a.x(), w.a.y(), w.b.x(), w.b.y()); };
-  return order(p) < order(q);
-}
-
 }  // namespace
 
 Interpreter::Interpreter(const SemanticsConfig& config)
     : config_(config), walls_(wall_options(config)), openings_(config.opening_max_m, OpeningModel(config.opening_trees)), parter_(parting_options(config)),
       rooms_(room_options(config)) {}
 
-std::vector<WallBand> Interpreter::find_bands(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed) {
+Interpreter::Bands Interpreter::find_bands(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed) {
+  const cv::Rect frame({0, 0}, space.occupancy.size());
   const auto is_solid = [&](const Eigen::Vector2d& p) {
-    const cv::Point c = space.cell(p);
-    for (int dy = -2; dy <= 2; ++dy)
-      for (int dx = -2; dx <= 2; ++dx)
-        if (space.is_occupied(c + cv::Point(dx, dy))) return true;
+    const cv::Rect near = grown(cv::Rect(space.cell(p), cv::Size(1, 1)), 2) & frame;
+    for (int y = near.y; y < near.br().y; ++y) {
+      const std::uint8_t* row = space.occupancy[y];
+      for (int x = near.x; x < near.br().x; ++x)
+        if (row[x] >= 128) return true;
+    }
     return false;
   };
   const auto finish = [&](Wall& wall) {
@@ -132,54 +127,73 @@ std::vector<WallBand> Interpreter::find_bands(const KnownSpace& space, const Box
   return walls_.update(is_solid, finish, odds_changed);
 }
 
-Boxes Interpreter::changes_of_walls(const std::vector<Wall>& walls, const KnownSpace& space) {
-  std::vector<Wall> ordered = walls, news;
-  std::sort(ordered.begin(), ordered.end(), is_before);
-  std::set_symmetric_difference(ordered.begin(), ordered.end(), known_walls_.begin(), known_walls_.end(), std::back_inserter(news), is_before);
-  known_walls_ = std::move(ordered);
+std::vector<bool> Interpreter::find_furniture(const std::vector<Wall>& faces, const KnownSpace& space, const Boxes& changed) {
+  std::vector<PlanBox> boxes;
+  const double cell_m = space.resolution_m;
+  for (const cv::Rect& box : windows(changed, static_cast<int>(kNewsTogether_m / cell_m), space.occupancy.size()))
+    boxes.push_back({space.origin_m + cell_m * Eigen::Vector2d(box.x, box.y), space.origin_m + cell_m * Eigen::Vector2d(box.br().x, box.br().y)});
+  return furniture_.update(faces, [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); }, boxes);
+}
+
+/// @return where walls came and went.
+Boxes Interpreter::take_walls(const std::vector<Wall>& walls, const KnownSpace& space, WallSet::News& news) {
+  news = known_walls_.update(walls);
   Boxes boxes;
-  for (const Wall& wall : news)
-    boxes.push_back(grown(cv::Rect(space.cell(wall.a), cv::Size(1, 1)) | cv::Rect(space.cell(wall.b), cv::Size(1, 1)), static_cast<int>(0.3 / space.resolution_m)));
+  for (const std::vector<std::size_t>* numbers : {&news.gone, &news.come})
+    for (const std::size_t k : *numbers) {
+      const Wall& wall = known_walls_[k];
+      boxes.push_back(grown(cv::Rect(space.cell(wall.a), cv::Size(1, 1)) | cv::Rect(space.cell(wall.b), cv::Size(1, 1)), static_cast<int>(0.3 / space.resolution_m)));
+    }
   return boxes;
 }
 
-/// Faces that stand in a room, off its outline, with what nobody saw behind them, belong to what is in the room: parked cars, beds, counters.
-void Interpreter::drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& space, const Boxes& open) {
-  if (hidden_.size() != space.occupancy.size()) hidden_ = cv::Mat1b(space.occupancy.size(), std::uint8_t{0});
+/// Draws what is inside rooms, off their outlines, and no floor. @return where that changed.
+Boxes Interpreter::find_hidden(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open) {
+  Boxes changed;
+  if (hidden_.size() != space.occupancy.size()) {
+    hidden_ = cv::Mat1b(space.occupancy.size(), std::uint8_t{0});
+    known_rings_.clear();
+    changed.emplace_back(cv::Point(0, 0), hidden_.size());
+  }
   const int thick = 2 * static_cast<int>(std::lround(kAtOutline_m / space.resolution_m)) + 1;
-  std::map<int, std::vector<Eigen::Vector2d>> outlines;
-  for (const Room& room : layers.rooms) outlines[room.region] = room.outline;
   const auto ring_of = [&](const std::vector<Eigen::Vector2d>& outline, const cv::Point& corner) {
     std::vector<cv::Point> ring;
     for (const Eigen::Vector2d& p : outline) ring.push_back(space.cell(p) - corner);
     return ring;
   };
   Boxes stirred = open;
-  std::map<int, cv::Rect> boxes;
-  const auto note = [&](const auto& these, const auto& those) {
-    for (const auto& [region, outline] : these) {
-      const auto other = those.find(region);
-      const cv::Rect box = grown(cv::boundingRect(ring_of(outline, {0, 0})), thick);
-      boxes[region] = box;
-      if (other == those.end() || other->second != outline) stirred.push_back(box);
+  std::map<int, Ring> rings;
+  for (const Room& room : rooms) {
+    const auto known = known_rings_.find(room.region);
+    if (known != known_rings_.end() && known->second.outline == room.outline) {
+      rings.insert(known_rings_.extract(known));
+      continue;
     }
-  };
-  note(known_outlines_, outlines);
-  note(outlines, known_outlines_);
-  for (const cv::Rect& box : windows(stirred, 0, hidden_.size())) {
-    cv::Mat1b part = hidden_(box);
-    part.setTo(0);
-    std::vector<std::vector<cv::Point>> rings;
-    for (const auto& [region, outline] : outlines) {
-      if (!meet(boxes[region], box)) continue;
-      rings.push_back(ring_of(outline, box.tl()));
-      cv::fillPoly(part, std::vector<std::vector<cv::Point>>{rings.back()}, cv::Scalar(255));
-    }
-    cv::polylines(part, rings, true, cv::Scalar(0), thick);
-    part.setTo(0, floor_.open(box));
+    const cv::Rect box = grown(cv::boundingRect(ring_of(room.outline, {0, 0})), thick);
+    rings[room.region] = {room.outline, box};
+    stirred.push_back(box);
   }
-  known_outlines_ = std::move(outlines);
+  for (const auto& [region, gone] : known_rings_) stirred.push_back(gone.box);
+  known_rings_ = std::move(rings);
+  for (const cv::Rect& box : windows(stirred, 0, hidden_.size())) {
+    cv::Mat1b part(box.size(), std::uint8_t{0});
+    std::vector<std::vector<cv::Point>> near;
+    for (const auto& [region, ring] : known_rings_) {
+      if (!meet(ring.box, box)) continue;
+      near.push_back(ring_of(ring.outline, box.tl()));
+      cv::fillPoly(part, std::vector<std::vector<cv::Point>>{near.back()}, cv::Scalar(255));
+    }
+    cv::polylines(part, near, true, cv::Scalar(0), thick);
+    part.setTo(0, floor_.open(box));
+    take_over(hidden_, box, part, changed);
+  }
+  return changed;
+}
+
+/// Faces that stand in a room, off its outline, with what nobody saw behind them, belong to what is in the room: parked cars, beds, counters.
+void Interpreter::drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& space, const Boxes& open, const WallSet::News& news) {
   const auto hides = [&](const Wall& wall) {
+    if (wall.length_m() > kLongestFront_m) return false;
     const Eigen::Vector2d u = wall.direction(), from = wall.a - kBehind_m * wall.normal();
     int behind = 0, looked = 0;
     for (double s = 0.1, length_m = wall.length_m(); s < length_m; s += 0.1, ++looked) {
@@ -188,7 +202,20 @@ void Interpreter::drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& 
     }
     return 2 * behind > looked;
   };
-  layers.walls.erase(std::remove_if(layers.walls.begin(), layers.walls.end(), hides), layers.walls.end());
+  std::vector<std::size_t> stirred = news.come;
+  for (const cv::Rect& box : find_hidden(layers.rooms, space, open)) {
+    const double cell_m = space.resolution_m;
+    const auto near = known_walls_.near(space.origin_m + cell_m * Eigen::Vector2d(box.x, box.y), space.origin_m + cell_m * Eigen::Vector2d(box.br().x, box.br().y), kBehind_m + cell_m);
+    stirred.insert(stirred.end(), near.begin(), near.end());
+  }
+  hides_.resize(known_walls_.end(), false);
+  std::sort(stirred.begin(), stirred.end());
+  stirred.erase(std::unique(stirred.begin(), stirred.end()), stirred.end());
+  for (const std::size_t k : stirred) hides_[k] = hides(known_walls_[k]);
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < layers.walls.size(); ++k)
+    if (!hides_[known_walls_.numbers()[k]]) layers.walls[kept++] = layers.walls[k];
+  layers.walls.resize(kept);
 }
 
 SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed) {
@@ -197,18 +224,19 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   const FloorChange floor = update_floor(floor_, space, config_.object_max_m2, changed);
   Boxes stirred = update_objects(objects_, space, floor_, changed, floor.islands);
   stirred.insert(stirred.end(), changed.begin(), changed.end());
-  const std::vector<WallBand> bands = find_bands(space, stirred, wall_log_odds, odds_changed);
+  const Bands bands = find_bands(space, stirred, wall_log_odds, odds_changed);
   const std::vector<bool> dropped = pieces_of_wall(objects_, bands, space, config_);
   for (std::size_t k = 0; k < dropped.size(); ++k)
     if (!dropped[k]) layers.objects.push_back(objects_.objects[k].object);
   const std::vector<Wall> faces = without_faces(bands, objects_, dropped, space);
-  const std::vector<bool> furniture = find_furniture(faces, [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); });
+  const std::vector<bool> furniture = find_furniture(faces, space, changed);
   for (std::size_t k = 0; k < faces.size(); ++k)
     if (!furniture[k]) layers.walls.push_back(faces[k]);
 
-  const Boxes walls = changes_of_walls(layers.walls, space);
-  openings_.update(floor_, space, layers.walls, floor, walls);
-  Boxes parted = parter_.update(floor_, space, layers.walls, openings_.openings(config_.opening_probability), floor.open, walls);
+  WallSet::News news;
+  const Boxes walls = take_walls(layers.walls, space, news);
+  openings_.update(floor_, space, known_walls_, floor, walls);
+  Boxes parted = parter_.update(floor_, space, known_walls_, openings_.openings(config_.opening_probability), floor.open, walls);
   DoorMapOptions doors;
   doors.min_width_m = config_.door_min_m;
   doors.max_width_m = config_.door_max_m;
@@ -216,7 +244,7 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   parted.insert(parted.end(), changed.begin(), changed.end());
   layers.rooms = rooms_.update(parter_.partition(), floor_, space, parted);
   drop_doors_to_glimpses(layers.doors, parter_.partition(), layers.rooms, space.resolution_m, room_options(config_).glimpse_m2);
-  drop_faces_in_rooms(layers, space, floor.open);
+  drop_faces_in_rooms(layers, space, floor.open, news);
   return layers;
 }
 

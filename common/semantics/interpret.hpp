@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "common/semantics/door_map.hpp"
+#include "common/semantics/furniture.hpp"
 #include "common/semantics/object_finder.hpp"
 #include "common/semantics/room_finder.hpp"
 #include "common/semantics/semantics_config.hpp"
@@ -27,9 +28,12 @@ class Interpreter {
   SemanticLayers update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed);
 
  private:
-  std::vector<WallBand> find_bands(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed);
-  Boxes changes_of_walls(const std::vector<Wall>& walls, const KnownSpace& space);
-  void drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& space, const Boxes& open);
+  using Bands = std::vector<const WallBand*>;
+  Bands find_bands(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed);
+  std::vector<bool> find_furniture(const std::vector<Wall>& faces, const KnownSpace& space, const Boxes& changed);
+  Boxes take_walls(const std::vector<Wall>& walls, const KnownSpace& space, WallSet::News& news);
+  Boxes find_hidden(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open);
+  void drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& space, const Boxes& open, const WallSet::News& news);
 
   SemanticsConfig config_;
   WallMap walls_;
@@ -39,9 +43,15 @@ class Interpreter {
   OpeningMap openings_;
   FloorParter parter_;
   RoomMap rooms_;
-  std::vector<Wall> known_walls_;   ///< of the last round, in order
-  std::map<int, std::vector<Eigen::Vector2d>> known_outlines_;
+  FurnitureMap furniture_;
+  WallSet known_walls_;             ///< without furniture, before those in rooms are dropped
+  struct Ring {
+    std::vector<Eigen::Vector2d> outline;
+    cv::Rect box;                   ///< of cells around it
+  };
+  std::map<int, Ring> known_rings_; ///< of rooms, by region
   cv::Mat1b hidden_;                ///< inside rooms, off their outlines, and no floor
+  std::vector<char> hides_;         ///< by number of the wall: stands before what is hidden
 };
 
 }  // namespace modslam

@@ -14,8 +14,7 @@ class Memo {
  public:
   /// Call before the questions of a round: answers near `changed` go, and those that nobody asked for in the last round.
   void forget(const Boxes& changed) {
-    cv::Rect all;
-    for (const cv::Rect& box : changed) all |= box;
+    const cv::Rect all = bounds(changed);
     for (auto entry = kept_.begin(); entry != kept_.end();) {
       Kept& kept = entry->second;
       const bool goes = kept.round != round_ || (meet(all, kept.from) && meet(changed, kept.from));

@@ -105,8 +105,9 @@ Boxes OpeningMap::retrace(const Floor& floor, const Boxes& open) {
 Boxes OpeningMap::recollect(const Floor& floor, const Boxes& changed) {
   Boxes news;
   const double reach = max_width_m_ / floor.resolution_m, shortest = kNarrowest_m / floor.resolution_m;
+  const cv::Rect all = bounds(changed);
   for (auto& [index, block] : blocks_) {
-    if (!meet(changed, grown(block.box, static_cast<int>(reach) + 2))) continue;
+    if (!meet(all, grown(block.box, static_cast<int>(reach) + 2)) || !meet(changed, grown(block.box, static_cast<int>(reach) + 2))) continue;
     std::vector<FloorCut> cuts;
     const std::vector<const Block*> neighbours = around(index);
     for (const Corner& corner : block.outline.corners) {
@@ -158,10 +159,11 @@ void OpeningMap::measure(const Index& index, const CutFeatures& features, const 
       news = features.measure_walls(openings.back());
     if (news) openings.back().probability = model_.probability(openings.back().features.data());
   }
+  std::sort(openings.begin(), openings.end(), [](const Opening& p, const Opening& q) { return p.probability > q.probability; });
   block.openings = std::move(openings);
 }
 
-void OpeningMap::update(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const FloorChange& change, const Boxes& walls_changed) {
+void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const FloorChange& change, const Boxes& walls_changed) {
   if (floor.open.empty()) return;
   Boxes corners = retrace(floor, change.open);
   corners.insert(corners.end(), change.open.begin(), change.open.end());
@@ -171,24 +173,31 @@ void OpeningMap::update(const Floor& floor, const KnownSpace& space, const std::
   const CutFeatures features(floor, space, walls);
   const int reach = static_cast<int>(max_width_m_ / floor.resolution_m) + 2;
   const int look = reach + static_cast<int>(std::max(kFarthestLook_m, 4 * max_width_m_) / floor.resolution_m) + 2;
-  const auto near = [](const Boxes& boxes, const cv::Rect& box) {
+  const auto near = [](const Boxes& boxes, const cv::Rect& all, const cv::Rect& box) {
     Boxes out;
+    if (!meet(all, box)) return out;
     std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(out), [&](const cv::Rect& other) { return meet(other, box); });
     return out;
   };
+  const cv::Rect all_changed = bounds(changed), all_walls = bounds(walls_changed);
   for (const auto& [index, block] : blocks_) {
-    const Boxes changed_here = near(changed, grown(block.box, look)), walls_here = near(walls_changed, grown(block.box, reach + kAtWall));
+    const Boxes changed_here = near(changed, all_changed, grown(block.box, look)), walls_here = near(walls_changed, all_walls, grown(block.box, reach + kAtWall));
     if (!changed_here.empty() || !walls_here.empty()) measure(index, features, space, changed_here, walls_here);
   }
 }
 
 std::vector<Opening> OpeningMap::openings(double min_probability) const {
-  std::vector<Opening> out;
+  std::vector<const Opening*> sure;
   for (const auto& [index, block] : blocks_)
-    for (const Opening& opening : block.openings)
-      if (opening.probability >= min_probability) out.push_back(opening);
+    for (const Opening& opening : block.openings) {
+      if (opening.probability < min_probability) break;  // surest first
+      sure.push_back(&opening);
+    }
   const auto order = [](const Opening& o) { return std::tuple(-o.probability, o.a.x(), o.a.y(), o.b.x(), o.b.y()); };
-  std::sort(out.begin(), out.end(), [&](const Opening& p, const Opening& q) { return order(p) < order(q); });
+  std::sort(sure.begin(), sure.end(), [&](const Opening* p, const Opening* q) { return order(*p) < order(*q); });
+  std::vector<Opening> out;
+  out.reserve(sure.size());
+  for (const Opening* opening : sure) out.push_back(*opening);
   return out;
 }
 
@@ -197,7 +206,9 @@ std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, 
   OpeningMap map(max_width_m, model);
   FloorChange all;
   all.open = {cv::Rect({0, 0}, floor.open.size())};
-  map.update(floor, space, walls, all, {});
+  WallSet set;
+  set.update(walls);
+  map.update(floor, space, set, all, {});
   return map.openings(0);
 }
 

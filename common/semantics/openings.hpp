@@ -9,7 +9,7 @@
 #include "common/semantics/floor.hpp"
 #include "common/semantics/opening_model.hpp"
 #include "common/semantics/outline.hpp"
-#include "common/semantics/types.hpp"
+#include "common/semantics/wall_set.hpp"
 
 namespace modslam {
 
@@ -56,7 +56,7 @@ class OpeningMap {
   OpeningMap(double max_width_m, const OpeningModel& model) : max_width_m_(max_width_m), model_(model) {}
 
   /// @param change, walls_changed  where floor and walls are new since the last call.
-  void update(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const FloorChange& change, const Boxes& walls_changed);
+  void update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const FloorChange& change, const Boxes& walls_changed);
   void clear() { blocks_.clear(); }
 
   /// All of at least this probability, surest first.
@@ -67,7 +67,7 @@ class OpeningMap {
     cv::Rect box;
     Outline outline;
     std::vector<FloorCut> cuts;
-    std::vector<Opening> openings;
+    std::vector<Opening> openings;   ///< surest first
   };
   using Index = std::pair<int, int>;   ///< column, row
 

@@ -117,33 +117,25 @@ std::vector<CutOpening> choose_cuts(const std::vector<Opening>& openings, double
   return cuts;
 }
 
-auto order_of(const CutOpening& cut) { return std::tuple(cut.opening.a.x(), cut.opening.a.y(), cut.opening.b.x(), cut.opening.b.y()); }
-bool is_before(const CutOpening& p, const CutOpening& q) { return order_of(p) < order_of(q); }
+}  // namespace
 
-cv::Rect box_of(const CutOpening& cut, const KnownSpace& space, double margin_m) {
+cv::Rect FloorParter::box_of(const CutLine& cut, const KnownSpace& space, double margin_m) {
   const int margin = static_cast<int>(std::ceil(margin_m / space.resolution_m)) + 1;
-  return grown(cv::Rect(space.cell(cut.opening.a), space.cell(cut.opening.a)) | cv::Rect(space.cell(cut.opening.a), cv::Size(1, 1)) |
-                   cv::Rect(space.cell(cut.opening.b), cv::Size(1, 1)),
-               margin) &
-         cv::Rect({0, 0}, space.occupancy.size());
+  return grown(cv::Rect(space.cell(cut.a), cv::Size(1, 1)) | cv::Rect(space.cell(cut.b), cv::Size(1, 1)), margin) & cv::Rect({0, 0}, space.occupancy.size());
 }
 
-bool is_before_with_region(const CutOpening& p, const CutOpening& q) { return std::pair(order_of(p), p.left) < std::pair(order_of(q), q.left); }
-
 /// Boxes around what only one of two sets of cuts has; both in order.
-template <class Before>
-Boxes news_of(const std::vector<CutOpening>& before, const std::vector<CutOpening>& now, const KnownSpace& space, double margin_m, Before is_before) {
-  std::vector<CutOpening> news;
-  std::set_symmetric_difference(before.begin(), before.end(), now.begin(), now.end(), std::back_inserter(news), is_before);
+Boxes FloorParter::news_of(const std::vector<CutLine>& before, const std::vector<CutLine>& now, const KnownSpace& space, double margin_m) {
+  std::vector<CutLine> news;
+  std::set_symmetric_difference(before.begin(), before.end(), now.begin(), now.end(), std::back_inserter(news));
   Boxes out;
-  for (const CutOpening& cut : news) out.push_back(box_of(cut, space, margin_m));
+  for (const CutLine& cut : news) out.push_back(box_of(cut, space, margin_m));
   return out;
 }
 
-}  // namespace
-
-Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& cuts, const Boxes& open) {
-  Boxes stirred = news_of(drawn_, cuts, space, 0, is_before), changed;
+Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, std::vector<CutLine> cuts, const Boxes& open) {
+  std::sort(cuts.begin(), cuts.end());
+  Boxes stirred = news_of(drawn_, cuts, space, 0), changed;
   stirred.insert(stirred.end(), open.begin(), open.end());
   std::vector<cv::Mat1b> before;
   const Boxes parts = windows(stirred, 0, floor.open.size());
@@ -151,21 +143,22 @@ Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, const 
     before.push_back(parted_(box).clone());
     floor.open(box).copyTo(parted_(box));
   }
-  for (const CutOpening& cut : cuts)
+  for (const CutLine& cut : cuts)
     if (meet(parts, box_of(cut, space, 0)))
-      cv::line(parted_, space.cell(cut.opening.a), space.cell(cut.opening.b), cv::Scalar(0), 1, cv::LINE_8);  // stops a flood over sides
+      cv::line(parted_, space.cell(cut.a), space.cell(cut.b), cv::Scalar(0), 1, cv::LINE_8);  // stops a flood over sides
   for (std::size_t k = 0; k < parts.size(); ++k)
     if (const cv::Rect news = difference(before[k], parted_(parts[k])); news.area() > 0) changed.push_back(news + parts[k].tl());
-  drawn_ = cuts;
+  drawn_ = std::move(cuts);
   return changed;
 }
 
 /// Share of a region's rim that lies on walls; where it meets another region or a cut is no rim.
-double FloorParter::walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls) const {
+double FloorParter::walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const WallSet& walls) const {
   const cv::Rect box = region.box;
   cv::Mat1b on_wall(box.size(), std::uint8_t{0});
   const int thick = 2 * static_cast<int>(std::lround(kOnWall_m / space.resolution_m)) + 1;
-  for (const Wall& wall : walls) {
+  for (const std::size_t k : walls.near(space.centre(box.tl()), space.centre(box.br()), 2 * thick * space.resolution_m)) {
+    const Wall& wall = walls[k];
     const cv::Point a = space.cell(wall.a), b = space.cell(wall.b);
     if (meet(grown(cv::Rect(a, cv::Size(1, 1)) | cv::Rect(b, cv::Size(1, 1)), thick), box)) cv::line(on_wall, a - box.tl(), b - box.tl(), cv::Scalar(255), thick);
   }
@@ -194,52 +187,63 @@ FloorParter::Niche FloorParter::niche_of(const Region& region, int number) const
 /// Gaps between parked cars: dead ends as wide as their mouths with a car's width of closed space beside them. They are no rooms.
 std::set<int> FloorParter::find_slots(const std::vector<CutOpening>& cuts, const Floor& floor) {
   const double cell_m = floor.resolution_m;
-  std::map<int, std::vector<const CutOpening*>> of_region;
+  std::vector<int> ways(tiles_.regions().size() + 1, 0);
+  std::vector<const CutOpening*> mouths(ways.size(), nullptr);
   for (const CutOpening& cut : cuts)
-    if (cut.left && cut.right && cut.left != cut.right) of_region[cut.left].push_back(&cut), of_region[cut.right].push_back(&cut);
+    if (cut.left && cut.right && cut.left != cut.right)
+      for (const int side : {cut.left, cut.right}) ++ways[static_cast<std::size_t>(side)], mouths[static_cast<std::size_t>(side)] = &cut;
   std::set<int> slots;
-  for (const auto& [number, ways] : of_region) {
+  for (int number = 1; number < static_cast<int>(ways.size()); ++number) {
     const Region& region = tiles_.regions()[static_cast<std::size_t>(number - 1)];
-    if (ways.size() != 1 || region.cells * cell_m * cell_m >= kMostSlotDepth_m * kMostSlotDepth_m / 1.5) continue;
-    const Niche& niche = niches_.ask(region.members, region.box, [&, number = number] { return niche_of(region, number); });
-    if (!is_slot(niche.width * cell_m, niche.depth * cell_m, niche.across, ways[0]->opening)) continue;
+    if (ways[static_cast<std::size_t>(number)] != 1 || region.cells * cell_m * cell_m >= kMostSlotDepth_m * kMostSlotDepth_m / 1.5) continue;
+    const Niche& niche = niches_.ask(region.members, region.box, [&] { return niche_of(region, number); });
+    if (!is_slot(niche.width * cell_m, niche.depth * cell_m, niche.across, mouths[static_cast<std::size_t>(number)]->opening)) continue;
     const bool beside_car = beside_m(niche.centre, niche.across, niche.width, floor) >= kCarFrom_m || beside_m(niche.centre, -niche.across, niche.width, floor) >= kCarFrom_m;
     if (beside_car) slots.insert(number);
   }
   return slots;
 }
 
+std::size_t FloorParter::HashMembers::operator()(const Members& members) const {
+  std::size_t hash = members.size();
+  for (const Region::Member& member : members)
+    for (const int x : {member.tile, member.local, member.stamp}) hash = hash * 1000003 + static_cast<std::size_t>(x);
+  return hash;
+}
+
 /// A region that consists of the same pieces of the same tiles as before keeps its number.
 void FloorParter::number_regions(const std::vector<int>& roots, const std::set<int>& slots) {
   const std::vector<Region>& raw = tiles_.regions();
-  std::map<int, Members> members;
-  std::map<int, FloorRegion> joined;
+  std::vector<Members> members(roots.size());
+  std::vector<FloorRegion> joined(roots.size());
   for (std::size_t k = 1; k < roots.size(); ++k) {
     const Region& region = raw[k - 1];
-    Members& all = members[roots[k]];
-    all.insert(all.end(), region.members.begin(), region.members.end());
-    FloorRegion& whole = joined[roots[k]];
+    const auto root = static_cast<std::size_t>(roots[k]);
+    members[root].insert(members[root].end(), region.members.begin(), region.members.end());
+    FloorRegion& whole = joined[root];
     whole.box |= region.box;
     whole.cells += region.cells;
     whole.parking = whole.parking || slots.count(static_cast<int>(k)) > 0;
   }
-  std::map<Members, int> numbers;
-  std::map<int, int> number_of_root;
+  std::unordered_map<Members, int, HashMembers> numbers(numbers_.size());
+  std::vector<int> number_of_root(roots.size(), 0);
   partition_.regions.clear();
-  for (auto& [root, all] : members) {
-    const auto known = numbers_.find(all);
+  for (std::size_t root = 1; root < roots.size(); ++root) {
+    if (members[root].empty()) continue;
+    const auto known = numbers_.find(members[root]);
     const int number = number_of_root[root] = known == numbers_.end() ? next_++ : known->second;
-    numbers.emplace(std::move(all), number);
+    numbers.emplace(std::move(members[root]), number);
     partition_.regions[number] = joined[root];
   }
   numbers_ = std::move(numbers);
   number_of_.assign(roots.size(), 0);
-  for (std::size_t k = 1; k < roots.size(); ++k) number_of_[k] = number_of_root[roots[k]];
+  for (std::size_t k = 1; k < roots.size(); ++k) number_of_[k] = number_of_root[static_cast<std::size_t>(roots[k])];
 }
 
 /// Where two regions became one, the cut between them is floor again.
-Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& healed) {
-  Boxes stirred = news_of(healed_, healed, space, 0, is_before_with_region), repainted, changed;
+Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, std::vector<CutLine> healed) {
+  std::sort(healed.begin(), healed.end());
+  Boxes stirred = news_of(healed_, healed, space, 0), repainted, changed;
   painted_.resize(static_cast<std::size_t>(tiles_.tile_count()));
   painted_stamp_.resize(painted_.size(), 0);
   std::vector<cv::Mat1i> before;
@@ -259,19 +263,19 @@ Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, const std:
         partition_.labels(y, x) = local ? numbers[static_cast<std::size_t>(local - 1)] : 0;
       }
   }
-  for (const CutOpening& cut : healed) {
+  for (const CutLine& cut : healed) {
     if (!meet(repainted, box_of(cut, space, 0))) continue;
-    cv::LineIterator cells(partition_.labels, space.cell(cut.opening.a), space.cell(cut.opening.b), 8);
+    cv::LineIterator cells(partition_.labels, space.cell(cut.a), space.cell(cut.b), 8);
     for (int k = 0; k < cells.count; ++k, ++cells)
-      if (floor.open(cells.pos()) && partition_.labels(cells.pos()) == 0) partition_.labels(cells.pos()) = cut.left;
+      if (floor.open(cells.pos()) && partition_.labels(cells.pos()) == 0) partition_.labels(cells.pos()) = cut.region;
   }
   for (std::size_t k = 0; k < repainted.size(); ++k)
     if (const cv::Rect news = difference(before[k] > 0, partition_.labels(repainted[k]) > 0); news.area() > 0) changed.push_back(news + repainted[k].tl());
-  healed_ = healed;
+  healed_ = std::move(healed);
   return changed;
 }
 
-Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const std::vector<Opening>& openings, const Boxes& open,
+Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const std::vector<Opening>& openings, const Boxes& open,
                           const Boxes& walls_changed) {
   if (floor.open.empty()) return {};
   if (parted_.size() != floor.open.size()) {
@@ -280,9 +284,10 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const std
     parted_ = cv::Mat1b(floor.open.size(), std::uint8_t{0});
     partition_.labels = cv::Mat1i(floor.open.size(), 0);
   }
-  std::vector<CutOpening> cuts = choose_cuts(openings, options_.min_probability), ordered = cuts;
-  std::sort(ordered.begin(), ordered.end(), is_before);
-  const Boxes parted = draw_cuts(floor, space, ordered, open);
+  std::vector<CutOpening> cuts = choose_cuts(openings, options_.min_probability);
+  std::vector<CutLine> lines, kept, healed;
+  for (const CutOpening& cut : cuts) lines.push_back({cut.opening.a, cut.opening.b, 0});
+  const Boxes parted = draw_cuts(floor, space, std::move(lines), open);
   tiles_.update(parted_, parted);
   const auto region_at = [&](const cv::Point& c) { return tiles_.at(c); };
   for (CutOpening& cut : cuts) {
@@ -299,7 +304,7 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const std
   std::vector<double> area_m2{0};
   for (std::size_t k = 0; k < raw.size(); ++k) {
     area_m2.push_back(raw[k].cells * floor.resolution_m * floor.resolution_m);
-    if (walls.empty() || area_m2.back() >= options_.small_m2) continue;
+    if (walls.size() == 0 || area_m2.back() >= options_.small_m2) continue;
     const auto share = [&] { return walled_share(raw[k], static_cast<int>(k) + 1, floor, space, walls); };
     if (walled_.ask(raw[k].members, grown(raw[k].box, 12), share) < options_.min_walled) area_m2.back() = std::min(area_m2.back(), 0.5 * options_.min_room_m2);
   }
@@ -315,18 +320,17 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const std
   for (std::size_t k = 0; k < roots.size(); ++k) roots[k] = regions.root(static_cast<int>(k));
   number_regions(roots, slots);
 
-  std::vector<CutOpening> healed;
   partition_.cuts.clear();
   for (CutOpening& cut : cuts) {
     cut.left = number_of_[static_cast<std::size_t>(cut.left)];
     cut.right = number_of_[static_cast<std::size_t>(cut.right)];
-    if (cut.left && cut.right) (cut.left == cut.right ? healed : partition_.cuts).push_back(cut);
+    if (!cut.left || !cut.right) continue;
+    if (cut.left != cut.right) partition_.cuts.push_back(cut);
+    (cut.left == cut.right ? healed : kept).push_back({cut.opening.a, cut.opening.b, cut.left == cut.right ? cut.left : 0});
   }
-  std::sort(healed.begin(), healed.end(), is_before_with_region);
-  Boxes changed = paint(floor, space, healed);
-  std::vector<CutOpening> kept = partition_.cuts;
-  std::sort(kept.begin(), kept.end(), is_before);
-  const Boxes news = news_of(kept_, kept, space, kAroundCut_m, is_before);
+  Boxes changed = paint(floor, space, std::move(healed));
+  std::sort(kept.begin(), kept.end());
+  const Boxes news = news_of(kept_, kept, space, kAroundCut_m);
   changed.insert(changed.end(), news.begin(), news.end());
   kept_ = std::move(kept);
   return changed;
@@ -336,7 +340,9 @@ Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vec
                      const PartitionOptions& options) {
   std::stable_sort(openings.begin(), openings.end(), [](const Opening& p, const Opening& q) { return p.probability > q.probability; });
   FloorParter parter(options);
-  parter.update(floor, space, walls, openings, {cv::Rect({0, 0}, floor.open.size())}, {});
+  WallSet set;
+  set.update(walls);
+  parter.update(floor, space, set, openings, {cv::Rect({0, 0}, floor.open.size())}, {});
   return parter.partition();
 }
 

@@ -3,6 +3,8 @@
 #pragma once
 #include <map>
 #include <set>
+#include <tuple>
+#include <unordered_map>
 
 #include "common/semantics/memo.hpp"
 #include "common/semantics/openings.hpp"
@@ -47,32 +49,45 @@ class FloorParter {
 
   /// @param openings  all of at least options.min_probability, surest first. @param open, walls_changed  where floor and walls changed since the last call.
   /// @return where there is a region now and was none, or the other way round, and around cuts that are new or gone.
-  Boxes update(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const std::vector<Opening>& openings, const Boxes& open,
+  Boxes update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const std::vector<Opening>& openings, const Boxes& open,
                const Boxes& walls_changed);
   const Partition& partition() const { return partition_; }
 
  private:
   using Members = std::vector<Region::Member>;
+  struct HashMembers {
+    std::size_t operator()(const Members& members) const;
+  };
   struct Niche {
     Eigen::Vector2d centre, across;  ///< of a dead end as a box; across: along its short sides
     double width, depth;             ///< [cells]
   };
 
-  Boxes draw_cuts(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& cuts, const Boxes& open);
-  double walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls) const;
+  /// What is drawn of a cut: its line, and the region that it heals.
+  struct CutLine {
+    Eigen::Vector2d a, b;
+    int region = 0;
+    auto order() const { return std::tuple(a.x(), a.y(), b.x(), b.y(), region); }
+    bool operator<(const CutLine& o) const { return order() < o.order(); }
+  };
+
+  static cv::Rect box_of(const CutLine& cut, const KnownSpace& space, double margin_m);
+  static Boxes news_of(const std::vector<CutLine>& before, const std::vector<CutLine>& now, const KnownSpace& space, double margin_m);
+  Boxes draw_cuts(const Floor& floor, const KnownSpace& space, std::vector<CutLine> cuts, const Boxes& open);
+  double walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const WallSet& walls) const;
   Niche niche_of(const Region& region, int number) const;
   std::set<int> find_slots(const std::vector<CutOpening>& cuts, const Floor& floor);
   void number_regions(const std::vector<int>& roots, const std::set<int>& slots);
-  Boxes paint(const Floor& floor, const KnownSpace& space, const std::vector<CutOpening>& healed);
+  Boxes paint(const Floor& floor, const KnownSpace& space, std::vector<CutLine> healed);
 
   PartitionOptions options_;
   Partition partition_;
   TiledRegions tiles_;
   cv::Mat1b parted_;                            ///< the floor without its cuts
-  std::vector<CutOpening> drawn_, kept_, healed_;  ///< of the last round
+  std::vector<CutLine> drawn_, kept_, healed_;  ///< of the last round, in order
   Memo<Members, double> walled_;
   Memo<Members, Niche> niches_;
-  std::map<Members, int> numbers_;
+  std::unordered_map<Members, int, HashMembers> numbers_;
   std::vector<int> number_of_;                  ///< final number of each region of tiles_
   std::vector<std::vector<int>> painted_;       ///< numbers in each tile, as painted
   std::vector<int> painted_stamp_;

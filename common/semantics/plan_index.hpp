@@ -19,6 +19,17 @@ class PlanIndex {
     each_square(p, q, 0, [&](std::int64_t key) { squares_[key].push_back(number); });
   }
 
+  /// Undoes add() with the same arguments.
+  void remove(const Eigen::Vector2d& p, const Eigen::Vector2d& q, std::size_t number) {
+    each_square(p, q, 0, [&](std::int64_t key) {
+      const auto square = squares_.find(key);
+      if (square == squares_.end()) return;
+      std::vector<std::size_t>& here = square->second;
+      here.erase(std::remove(here.begin(), here.end(), number), here.end());
+      if (here.empty()) squares_.erase(square);
+    });
+  }
+
   /// Numbers of all things that may lie within `margin_m` of the box, lowest first.
   std::vector<std::size_t> near(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m) const {
     std::vector<std::size_t> found;

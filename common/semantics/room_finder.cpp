@@ -17,7 +17,8 @@ constexpr double kCorridorWidth_m = 3.2, kCorridorElongation = 4.0;
 constexpr int kMargin = 8;               // [cells] round a region
 constexpr double kReach_m = 0.15;        // the outline lies on what was hit this near
 constexpr double kStrip_m = 0.25, kCounter_m = 1.3, kBulky_m = 3.0, kBulkyLength_m = 4.0;  // of what hides floor, with its shadow
-constexpr double kDoorway_m = 0.3;       // a doorway reaches this far off its cut
+constexpr double kDoorway_m = 0.3;       // a doorway reaches this far off its cut, ...
+constexpr double kDeepestDoorway_m = 0.9;  // ... or this far where the wall is thick
 constexpr double kLeastOfBox = 0.65, kLeastOfClosedBox = 0.55, kClosed = 0.8, kLeastOfParking = 0.4, kMostForeign = 0.03, kLeastSeenSide = 0.12;
 
 bool is_corridor(const cv::Mat1b& mask, double area_m2, double resolution_m) {
@@ -42,6 +43,17 @@ cv::Mat1b holes_of(const cv::Mat1b& mask) {
   cv::drawContours(holes, contours, -1, cv::Scalar(255), cv::FILLED);
   holes.setTo(0, mask);
   return holes;
+}
+
+/// How far a doorway reaches off its cut, towards n: as far as there is floor before the cut and none beside it, as between thick walls.
+template <class IsFloor>
+double doorway_m(const Opening& cut, const Eigen::Vector2d& n, IsFloor is_floor) {
+  constexpr double kJamb_m = 0.15, kStep_m = 0.05;
+  const Eigen::Vector2d jamb = kJamb_m * (cut.b - cut.a).normalized();
+  double depth_m = kDoorway_m;
+  for (double s = kDoorway_m; s < kDeepestDoorway_m && is_floor(cut.centre() + s * n) && !is_floor(cut.a - jamb + s * n) && !is_floor(cut.b + jamb + s * n); s += kStep_m)
+    depth_m = s + 2 * kStep_m;
+  return depth_m;
 }
 
 /// What is larger than furniture, or cars where cars park, is space of its own that was not seen.
@@ -135,13 +147,20 @@ RoomPatch RoomMap::patch_of(int region, const Partition& partition, const Floor&
   const int reach = static_cast<int>(std::lround(kReach_m / cell_m));
   const cv::Rect wide = grown(box, reach) & cv::Rect({0, 0}, space.occupancy.size());
   cv::Mat1b barrier = floor.solid(wide).clone(), doorways(box.size(), std::uint8_t{0});
+  const auto is_floor = [&](const Eigen::Vector2d& p) {
+    const cv::Point c = space.cell(p);
+    return box.contains(c) && partition.labels(c) == region;
+  };
+  const Eigen::Vector2d low = space.centre(wide.tl()).array() - 2 * kDoorway_m, high = space.centre(wide.br()).array() + 2 * kDoorway_m;
   for (const CutOpening& cut : partition.cuts) {
+    if ((cut.opening.a.cwiseMax(cut.opening.b).array() < low.array()).any() || (cut.opening.a.cwiseMin(cut.opening.b).array() > high.array()).any()) continue;
     const cv::Point a = space.cell(cut.opening.a), b = space.cell(cut.opening.b);
     if (!meet(grown(cv::Rect(a, cv::Size(1, 1)) | cv::Rect(b, cv::Size(1, 1)), static_cast<int>(kDoorway_m / cell_m) + 2), wide)) continue;
     cv::line(barrier, a - wide.tl(), b - wide.tl(), cv::Scalar(255), 1, cv::LINE_8);
-    const Eigen::Vector2d d = (cut.opening.b - cut.opening.a).normalized(), n = kDoorway_m * Eigen::Vector2d(-d.y(), d.x());
+    const Eigen::Vector2d d = (cut.opening.b - cut.opening.a).normalized(), n(-d.y(), d.x());
+    const Eigen::Vector2d up = doorway_m(cut.opening, n, is_floor) * n, down = -doorway_m(cut.opening, -n, is_floor) * n;
     std::vector<cv::Point> ring;
-    for (const Eigen::Vector2d& p : std::array<Eigen::Vector2d, 4>{cut.opening.a - n, cut.opening.b - n, cut.opening.b + n, cut.opening.a + n}) ring.push_back(space.cell(p) - box.tl());
+    for (const Eigen::Vector2d& p : std::array<Eigen::Vector2d, 4>{cut.opening.a + down, cut.opening.b + down, cut.opening.b + up, cut.opening.a + up}) ring.push_back(space.cell(p) - box.tl());
     cv::fillConvexPoly(doorways, ring, cv::Scalar(255));
   }
   cv::dilate(barrier, barrier, cv::getStructuringElement(cv::MORPH_RECT, {2 * reach + 1, 2 * reach + 1}));

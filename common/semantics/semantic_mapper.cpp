@@ -31,7 +31,8 @@ void SemanticMapper::draw(const NodeView& node, int sign) {
     occupancy_.insert(node.scan, node.sensor, node.drawn);
   else
     occupancy_.remove(node.scan, node.sensor, node.drawn);
-  for (std::size_t k = 0; k < node.points.size(); ++k) evidence_.add(node.drawn * node.points[k].p, node.lines.on_segment[k], sign);
+  const PointMover to_map(node.drawn);
+  for (std::size_t k = 0; k < node.points.size(); ++k) evidence_.add(to_map * node.points[k].p, node.lines.on_segment[k], sign);
   show(node, interpreter_, sign);
 }
 

@@ -12,6 +12,7 @@ namespace modslam {
 struct Region {
   struct Member {
     int tile, local, stamp;  ///< tile, number within it, and when the tile last changed
+    bool operator==(const Member& o) const { return tile == o.tile && local == o.local && stamp == o.stamp; }
     bool operator<(const Member& o) const { return std::tie(tile, local, stamp) < std::tie(o.tile, o.local, o.stamp); }
   };
   std::vector<Member> members;

@@ -12,7 +12,7 @@ namespace modslam {
 struct WallMapOptions {
   double join_rad = 0.09;      ///< largest angle between a line and the band it joins
   double join_m = 0.09;        ///< largest distance of its middle from the band
-  double band_gap_m = 3.0;     ///< longest gap along one band
+  double band_gap_m = 1.8;     ///< longest gap along one band
   double bridge_m = 0.25;      ///< gaps this short inside a wall are closed
   double min_length_m = 0.5;
   int min_sightings = 2;       ///< scans that must have seen a stretch

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace modslam {
 namespace {
@@ -14,6 +15,8 @@ cv::Rect block_box(const WallBlocks::Index& index) {
   const Eigen::Vector2d half(0.5 * WallBlocks::kBlock_m, 0.5 * WallBlocks::kBlock_m);
   return plan_box(WallBlocks::centre(index) - half, WallBlocks::centre(index) + half, 0);
 }
+
+std::array<double, 4> ends_of(const Wall& wall) { return {wall.a.x(), wall.a.y(), wall.b.x(), wall.b.y()}; }
 
 /// Heaviest first, each takes what fits of the rest, until none fits any more.
 std::vector<Band> joined(std::vector<Band> bands, const WallMapOptions& options) {
@@ -66,81 +69,131 @@ void WallMap::find_links(const Index& index) {
   }
 }
 
-std::vector<std::vector<WallMap::Member>> WallMap::chains() const {
-  std::map<Index, std::size_t> first;
-  std::vector<Member> members;
-  for (const auto& [index, bands] : bands_) {
-    first[index] = members.size();
-    for (std::size_t k = 0; k < bands.size(); ++k) members.emplace_back(index, static_cast<int>(k));
+/// Takes the chains that run through any of the blocks apart. @return all their bands, and all bands of these blocks.
+std::vector<WallMap::Member> WallMap::dissolve(const std::set<Index>& blocks, std::vector<Chain>& dissolved) {
+  std::set<Member> firsts;
+  for (const Index& index : blocks)
+    if (const auto here = through_.find(index); here != through_.end()) firsts.insert(here->second.begin(), here->second.end());
+  std::vector<Member> loose;
+  for (const Member& first : firsts) {
+    Chain& chain = chains_.at(first);
+    for (const Member& member : chain.members) {
+      through_[member.first].erase(first);
+      if (!blocks.count(member.first)) loose.push_back(member);
+    }
+    dissolved.push_back(std::move(chain));
+    chains_.erase(first);
   }
-  std::vector<std::size_t> parent(members.size());
-  for (std::size_t k = 0; k < parent.size(); ++k) parent[k] = k;
+  for (const Index& index : blocks) {
+    const auto here = bands_.find(index);
+    for (std::size_t k = 0; here != bands_.end() && k < here->second.size(); ++k) loose.emplace_back(index, static_cast<int>(k));
+  }
+  std::sort(loose.begin(), loose.end());
+  return loose;
+}
+
+/// Bands that are linked, in order; each chain begins with its first.
+std::vector<std::vector<WallMap::Member>> WallMap::chains_of(const std::vector<Member>& loose) const {
+  std::vector<std::size_t> parent(loose.size());
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
   const auto root = [&](std::size_t k) {
     while (parent[k] != k) k = parent[k] = parent[parent[k]];
     return k;
   };
-  const auto number = [&](const Member& member) { return first.at(member.first) + static_cast<std::size_t>(member.second); };
-  for (const auto& [index, links] : links_)
-    for (const auto& [p, q] : links) {
-      const std::size_t a = root(number(p)), b = root(number(q));
-      parent[std::max(a, b)] = std::min(a, b);  // the root is the first member
+  const auto number = [&](const Member& member) { return static_cast<std::size_t>(std::lower_bound(loose.begin(), loose.end(), member) - loose.begin()); };
+  for (std::size_t k = 0; k < loose.size(); ++k) {
+    if (k > 0 && loose[k].first == loose[k - 1].first) continue;
+    const auto links = links_.find(loose[k].first);
+    if (links == links_.end()) continue;
+    for (const auto& [p, q] : links->second) {
+      const std::size_t i = number(p), j = number(q);
+      if (i >= loose.size() || j >= loose.size() || loose[i] != p || loose[j] != q) continue;
+      const std::size_t a = root(i), b = root(j);
+      parent[std::max(a, b)] = std::min(a, b);
     }
-  std::vector<std::vector<Member>> out;
-  std::vector<std::size_t> chain_of(members.size());
-  for (std::size_t k = 0; k < members.size(); ++k) {
-    if (root(k) == k) {
-      chain_of[k] = out.size();
-      out.emplace_back();
-    }
-    out[chain_of[root(k)]].push_back(members[k]);
   }
+  std::map<std::size_t, std::vector<Member>> chains;
+  for (std::size_t k = 0; k < loose.size(); ++k) chains[root(k)].push_back(loose[k]);
+  std::vector<std::vector<Member>> out;
+  for (auto& [first, members] : chains) out.push_back(std::move(members));
   return out;
 }
 
-std::vector<WallBand> WallMap::walls_of(const std::vector<Member>& chain, const IsSolid& is_solid, const Finish& finish) {
+cv::Rect WallMap::surroundings(const std::vector<Member>& members) const {
+  Eigen::Vector2d low(1e300, 1e300), high(-1e300, -1e300);
+  cv::Rect from;
+  for (const Member& member : members) {
+    const Eigen::Vector2d a = band(member).low_end(), b = band(member).high_end();
+    low = low.cwiseMin(a).cwiseMin(b);
+    high = high.cwiseMax(a).cwiseMax(b);
+    from |= block_box(member.first);
+  }
+  return from | plan_box(low, high, kAround_m);
+}
+
+void WallMap::find_walls(Chain& chain, const IsSolid& is_solid, const Finish& finish, const KnownWalls& known) const {
   std::vector<Band> bands;
-  for (const Member& member : chain) bands.push_back(band(member));
-  std::vector<WallBand> out;
+  for (const Member& member : chain.members) bands.push_back(band(member));
+  chain.bands.clear();
   for (const Band& one : joined(std::move(bands), options_)) {
     WallBand walls = one.walls(options_, is_solid);
     for (Wall& wall : walls.walls) {
-      const double sigma_m = wall.sigma_m;
-      wall = finished_.ask({wall.a.x(), wall.a.y(), wall.b.x(), wall.b.y()}, plan_box(wall.a, wall.b, kAround_m), [&] {
+      if (const auto same = known.find(ends_of(wall)); same != known.end()) {
+        wall.evidence = same->second.evidence;
+        wall.on_object = same->second.on_object;
+      } else {
         finish(wall);
-        return wall;
-      });
-      wall.sigma_m = sigma_m;
+      }
     }
-    if (!walls.walls.empty()) out.push_back(std::move(walls));
+    if (!walls.walls.empty()) chain.bands.push_back(std::move(walls));
   }
-  return out;
 }
 
-std::vector<WallBand> WallMap::update(const IsSolid& is_solid, const Finish& finish, const Boxes& changed) {
+std::vector<const WallBand*> WallMap::update(const IsSolid& is_solid, const Finish& finish, const Boxes& changed) {
   Boxes stirred = changed;
-  std::set<Index> relink;
-  for (const Index& index : blocks_.take_changed()) {
-    find_bands(index);
+  const std::set<Index> news = blocks_.take_changed();
+  std::set<Index> relink, around;
+  for (const Index& index : news) {
     stirred.push_back(block_box(index));
     for (const auto& [dx, dy] : {std::pair(0, 0), std::pair(-1, 0), std::pair(0, -1), std::pair(-1, -1), std::pair(1, -1)})
       relink.insert({index.first + dx, index.second + dy});
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) around.insert({index.first + dx, index.second + dy});
   }
+  for (const Index& index : news) find_bands(index);
   for (const Index& index : relink) find_links(index);
-  walls_.forget(stirred);
-  finished_.forget(stirred);
-  std::vector<WallBand> out;
-  for (const std::vector<Member>& chain : chains()) {
-    Eigen::Vector2d low(1e300, 1e300), high(-1e300, -1e300);
-    cv::Rect from;
-    for (const Member& member : chain) {
-      const Eigen::Vector2d a = band(member).low_end(), b = band(member).high_end();
-      low = low.cwiseMin(a).cwiseMin(b);
-      high = high.cwiseMax(a).cwiseMax(b);
-      from |= block_box(member.first);
+
+  const cv::Rect all = bounds(stirred);
+  const auto is_stirred = [&](const cv::Rect& from) { return meet(all, from) && meet(stirred, from); };
+  KnownWalls known;
+  const auto keep = [&](const Chain& chain) {
+    for (const WallBand& one : chain.bands)
+      for (const Wall& wall : one.walls)
+        if (!meet(changed, plan_box(wall.a, wall.b, kAround_m))) known.emplace(ends_of(wall), wall);
+  };
+  std::vector<Chain> dissolved;
+  const std::vector<Member> loose = dissolve(around, dissolved);
+  std::vector<Chain*> stale;
+  for (const Chain& chain : dissolved) keep(chain);
+  for (auto& [first, chain] : chains_)
+    if (is_stirred(chain.from)) {
+      keep(chain);
+      stale.push_back(&chain);
     }
-    const auto& walls = walls_.ask(chain, from | plan_box(low, high, kAround_m), [&] { return walls_of(chain, is_solid, finish); });
-    out.insert(out.end(), walls.begin(), walls.end());
+  for (std::vector<Member>& members : chains_of(loose)) {
+    const Member first = members.front();
+    for (const Member& member : members) through_[member.first].insert(first);
+    Chain& chain = chains_[first];
+    chain.from = surroundings(members);
+    chain.members = std::move(members);
+    const auto same = std::find_if(dissolved.begin(), dissolved.end(), [&](const Chain& old) { return old.members == chain.members && old.from == chain.from; });
+    if (same != dissolved.end() && !is_stirred(chain.from)) chain.bands = std::move(same->bands);
+    else stale.push_back(&chain);
   }
+  for (Chain* chain : stale) find_walls(*chain, is_solid, finish, known);
+  std::vector<const WallBand*> out;
+  for (const auto& [first, chain] : chains_)
+    for (const WallBand& one : chain.bands) out.push_back(&one);
   return out;
 }
 
@@ -148,7 +201,9 @@ std::vector<WallBand> merge_segments(const std::vector<PlacedSegments>& scans, c
   WallMap map(options);
   for (const PlacedSegments& scan : scans)
     for (const Segment& segment : scan) map.add(segment, 1);
-  return map.update(is_solid, [](Wall&) {}, {});
+  std::vector<WallBand> out;
+  for (const WallBand* band : map.update(is_solid, [](Wall&) {}, {})) out.push_back(*band);
+  return out;
 }
 
 }  // namespace modslam

@@ -3,10 +3,11 @@
 ///
 /// Lines of one block that are one line become a band, bands of neighbouring blocks that go on in each other become one; a wall is a stretch of a band
 /// that enough scans have seen. After a change only its blocks, and the bands that run through them, are worked out again.
+/// A band ends at gaps wider than doors, so it is as long as a corridor, not as a building.
 #pragma once
 #include <array>
 
-#include "common/semantics/memo.hpp"
+#include "common/semantics/boxes.hpp"
 #include "common/semantics/wall_band.hpp"
 
 namespace modslam {
@@ -25,26 +26,36 @@ class WallMap {
   void add(const Segment& segment, int sign) { blocks_.add(segment, sign); }
 
   /// @param is_solid  whether the raster knows something solid around a place: a stretch that most beams passed is no wall. @param finish  fills in what
-  /// else a wall has. @param changed  plan_box()es in which the answers of either may be new. @return bands with a wall each, in an order that depends on nothing but what they are.
-  std::vector<WallBand> update(const IsSolid& is_solid, const Finish& finish, const Boxes& changed);
+  /// else a wall has. @param changed  plan_box()es in which the answers of either may be new. @return bands with a wall each, in an order that depends on nothing but what they are;
+  /// good until the next update.
+  std::vector<const WallBand*> update(const IsSolid& is_solid, const Finish& finish, const Boxes& changed);
 
  private:
   using Index = WallBlocks::Index;
   using Member = std::pair<Index, int>;   ///< block, number of the band in it
   using Links = std::vector<std::pair<Member, Member>>;
+  /// Bands that go on in each other, and the walls on them.
+  struct Chain {
+    std::vector<Member> members;
+    cv::Rect from;                        ///< cells that its walls depend on
+    std::vector<WallBand> bands;
+  };
+  using KnownWalls = std::map<std::array<double, 4>, Wall>;   ///< by both ends: of a long band with news at one end most walls stay
 
   void find_bands(const Index& index);
   void find_links(const Index& index);
-  std::vector<std::vector<Member>> chains() const;
-  std::vector<WallBand> walls_of(const std::vector<Member>& chain, const IsSolid& is_solid, const Finish& finish);
+  std::vector<Member> dissolve(const std::set<Index>& blocks, std::vector<Chain>& dissolved);
+  std::vector<std::vector<Member>> chains_of(const std::vector<Member>& loose) const;
+  cv::Rect surroundings(const std::vector<Member>& members) const;
+  void find_walls(Chain& chain, const IsSolid& is_solid, const Finish& finish, const KnownWalls& known) const;
   const Band& band(const Member& member) const { return bands_.at(member.first)[static_cast<std::size_t>(member.second)]; }
 
   WallMapOptions options_;
   WallBlocks blocks_;
   std::map<Index, std::vector<Band>> bands_;
-  std::map<Index, Links> links_;            ///< from a block to those after it
-  Memo<std::vector<Member>, std::vector<WallBand>> walls_;
-  Memo<std::array<double, 4>, Wall> finished_;   ///< by both ends: of a long band with news at one end most walls stay
+  std::map<Index, Links> links_;               ///< from a block to those after it
+  std::map<Member, Chain> chains_;             ///< by first member
+  std::map<Index, std::set<Member>> through_;  ///< first members of the chains that have bands in a block
 };
 
 /// Box of cells of 0.05 m from the map's origin around two corners.

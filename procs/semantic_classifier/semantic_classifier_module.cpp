@@ -2,6 +2,7 @@
 /// procs/semantic_classifier — NODE + GRAPH (+ POSE, SYNC_REQUEST) → SEMANTIC_WALLS, _ROOMS, _DOORS, _OBJECTS, _PLACES; QUERY → ANSWER.
 /// Config: [semantics], [places].
 #include <iostream>
+#include <opencv2/core/utility.hpp>
 #include <modslam/sync_request_t.hpp>
 
 #include "common/bus/channels.hpp"
@@ -146,6 +147,7 @@ class SemanticClassifierModule : public Module {
 }  // namespace
 
 std::unique_ptr<Module> make_semantic_classifier(Bus& bus, const SystemConfig& config) {
+  cv::setNumThreads(1);  // its pictures are small; waking other cores for them costs more than it saves
   return std::make_unique<SemanticClassifierModule>(bus, config);
 }
 

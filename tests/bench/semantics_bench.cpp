@@ -9,6 +9,7 @@
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <opencv2/core/utility.hpp>
 
 #include "common/semantics/semantic_mapper.hpp"
 #include "tests/support/synthetic_scan.hpp"
@@ -118,6 +119,7 @@ int main(int argc, char** argv) {
   app.add_option("--json", json, "file for the figures");
   app.add_option("--rooms", sizes, "sizes of the buildings")->delimiter(',');
   CLI11_PARSE(app, argc, argv);
+  cv::setNumThreads(1);  // as the process does
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const int rooms : sizes) {
     all.push_back(measure(rooms));

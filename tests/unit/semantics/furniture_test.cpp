@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Furniture kept in step with walls that come and go, and the walls by number below it.
+#include "common/semantics/furniture.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "common/world/random.hpp"
+
+using namespace modslam;
+
+namespace {
+
+constexpr std::uint64_t kSeed = 611;
+
+Wall wall(double ax, double ay, double bx, double by) {
+  Wall w;
+  w.a = {ax, ay};
+  w.b = {bx, by};
+  return w;
+}
+
+const auto nowhere_free = [](const Eigen::Vector2d&) { return false; };
+
+/// Rooms along x, each with a cupboard in a corner; some with a desk.
+std::vector<Wall> rooms(int count) {
+  std::vector<Wall> walls;
+  for (int k = 0; k < count; ++k) {
+    const double x = 5.0 * k;
+    for (const Wall& w : {wall(x, 0, x + 4.8, 0), wall(x + 4.8, 0, x + 4.8, 4), wall(x + 4.8, 4, x, 4), wall(x, 4, x, 0)}) walls.push_back(w);
+    walls.push_back(wall(x + 1, 0.6, x + 2.2, 0.6));
+    walls.push_back(wall(x + 1, 0, x + 1, 0.6));
+    if (k % 2) walls.push_back(wall(x + 2, 2, x + 3.2, 2));
+  }
+  return walls;
+}
+
+}  // namespace
+
+TEST_CASE("furniture after walls came, went and changed places is what all of it at once would be") {
+  RandomStream random(kSeed, RandomStreamId::kLaser);
+  const std::vector<Wall> all = rooms(12);
+  FurnitureMap map;
+  int found = 0;
+  double free_from_m = 60;
+  for (int round = 0; round < 60; ++round) {
+    std::vector<Wall> walls;
+    for (const Wall& w : all)
+      if (random.uniform(0, 1) < 0.8) walls.push_back(w);
+    const bool seen_more = round % 2 == 0;
+    if (seen_more) free_from_m = random.uniform(0, 60);
+    const auto is_free = [&](const Eigen::Vector2d& p) { return p.x() > free_from_m; };
+    const std::vector<bool> kept = map.update(walls, is_free, seen_more ? std::vector<PlanBox>{{{0, -1}, {60, 5}}} : std::vector<PlanBox>{});
+    REQUIRE(kept == find_furniture(walls, is_free));
+    found += static_cast<int>(std::count(kept.begin(), kept.end(), true));
+  }
+  REQUIRE(found > 100);
+}
+
+TEST_CASE("the other face of a thick wall tells a face between a cupboard and a door from a thing that stands alone") {
+  std::vector<Wall> walls = {wall(0, 0, 20, 0), wall(20, 0, 20, 9), wall(5, 6, 8, 6)};
+  REQUIRE(find_furniture(walls, nowhere_free)[2]);
+  walls.push_back(wall(12, 5.5, 4, 5.5));
+  REQUIRE_FALSE(find_furniture(walls, nowhere_free)[2]);
+}
+
+TEST_CASE("a wall keeps its number while others come and go, and is found near its place only") {
+  WallSet set;
+  const std::vector<Wall> first = {wall(0, 0, 4, 0), wall(40, 0, 44, 0)};
+  REQUIRE(set.update(first).come.size() == 2);
+  const std::size_t number = set.numbers()[1];
+  const WallSet::News news = set.update({wall(9, 9, 12, 9), first[1]});
+  REQUIRE(news.gone.size() == 1);
+  REQUIRE(news.come.size() == 1);
+  REQUIRE(set[news.gone[0]].b == Eigen::Vector2d(4, 0));
+  REQUIRE(set.numbers()[1] == number);
+  REQUIRE(set.near({41, -1}, {42, 1}, 0.5) == std::vector<std::size_t>{number});
+  REQUIRE(set.near({0, 0}, {1, 0}, 0.5).empty());
+  REQUIRE(set.update({first[1], wall(9, 9, 12, 9)}).empty());
+}
