@@ -55,8 +55,14 @@ void KeptMessages::keep(const std::string& channel, const void* bytes, int size)
   std::deque<Copy>& copies = copies_[channel];
   const std::int64_t place = place_of(channel, bytes, size);
   if (number_at(channel) && !copies.empty() && place <= copies.back().place) copies.clear();  // numbers begin anew
-  copies.push_back({place, copy(bytes, size), -kSameQuestion_us});
-  if (copies.size() > kCopies) copies.pop_front();
+  std::vector<std::uint8_t> place_in_memory;  // of the oldest: small pieces that live long, strewn over the heap, would hold its pages
+  if (copies.size() == kCopies) {
+    place_in_memory = std::move(copies.front().bytes);
+    copies.pop_front();
+  }
+  const auto* first = static_cast<const std::uint8_t*>(bytes);
+  place_in_memory.assign(first, first + size);
+  copies.push_back({place, std::move(place_in_memory), -kSameQuestion_us});
 }
 
 std::vector<repeat_t> KeptMessages::answer(const repeat_request_t& request, std::int64_t now_us) {
