@@ -3,11 +3,11 @@
 # Sourced by run.sh: test --sanitize KIND [LOG...]. Builds with checks into a folder of its own; runs the unit tests and offline runs with them.
 
 sanitize() {
-  local kind=${1:-} options="" log code=0
+  local kind=${1:-} options="-DCMAKE_BUILD_TYPE=Checked -DMODSLAM_WERROR=OFF" log code=0  # the checks make compilers see things that are not there
   case $kind in
-    address) options=-DMODSLAM_SANITIZE=address,undefined ;;
-    thread) options=-DMODSLAM_SANITIZE=thread ;;
-    debug) options=-DCMAKE_CXX_FLAGS=-D_GLIBCXX_ASSERTIONS ;;  # _GLIBCXX_DEBUG changes the vectors that Debian's libraries take
+    address) options+=" -DMODSLAM_SANITIZE=address,undefined" ;;
+    thread) options+=" -DMODSLAM_SANITIZE=thread" ;;
+    debug) options+=" -DCMAKE_CXX_FLAGS=-D_GLIBCXX_ASSERTIONS" ;;  # _GLIBCXX_DEBUG changes the vectors that Debian's libraries take
     *) die "test --sanitize: address (and undefined behaviour), thread or debug (the standard library's own checks)?" ;;
   esac
   shift
