@@ -52,6 +52,10 @@ void limit_memory() {
 #endif
 }
 
+/// Large pieces go back to the machine when they are freed, instead of becoming holes among small ones: left to itself the C library moves
+/// them into the heap after the first few.
+void keep_large_pieces_out_of_the_heap() { mallopt(M_MMAP_THRESHOLD, 128 << 10); }
+
 struct Options {
   std::string config = "config/modslam.toml";
   std::vector<std::string> overrides;
@@ -294,6 +298,7 @@ int run_process(int argc, char** argv, const std::string& name, ModuleFactory ma
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
   limit_memory();
+  keep_large_pieces_out_of_the_heap();
   try {
     if (const std::string trouble = preflight(options.url); !trouble.empty())
       throw std::runtime_error(trouble);
