@@ -107,7 +107,7 @@ bool StreamRepair::is_known(const std::string& channel, Stream& stream, std::int
 }
 
 bool StreamRepair::has_seen(const Stream& stream, std::int64_t place) {
-  return std::any_of(stream.seen.rbegin(), stream.seen.rend(), [place](const Seen& one) { return one.place == place; });
+  return std::any_of(stream.seen.rbegin(), stream.seen.rend(), [place](const Seen& one) { return one.place == place && !one.before; });
 }
 
 bool StreamRepair::take(const std::string& channel, const void* bytes, int size) {
@@ -135,8 +135,8 @@ void StreamRepair::step_back(const std::string& channel, Stream& stream) {
   while (!stream.held.empty()) pass(channel, stream);
   stream.as_they_come = number_at(channel) ? 1 : kAsTheyCome;
   if (!number_at(channel)) return;
-  const Seen newest = stream.seen.back();
-  stream.seen = {newest};
+  for (Seen& one : stream.seen) one.before = true;  // their numbers come anew; they themselves, doubled by the network, must not
+  stream.seen.back().before = false;
   stream.previous.clear();
 }
 
@@ -229,7 +229,7 @@ void StreamRepair::pass(const std::string& channel, Stream& stream) {
 }
 
 void StreamRepair::see(Stream& stream, std::int64_t place, std::size_t hash, bool heard) {
-  stream.seen.push_back({place, hash, heard});
+  stream.seen.push_back({place, hash, heard, false});
   if (stream.seen.size() > kSeen) stream.seen.pop_front();
 }
 
