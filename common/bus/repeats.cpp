@@ -179,8 +179,10 @@ void StreamRepair::take(const repeat_t& repeat) {
   }
   if (repeat.place <= stream.last || (stream.last < 0 && !stream.tail)) return;
   stream.previous[repeat.place] = repeat.previous;
-  if (repeat.nbytes > 0 && !has_seen(stream, repeat.place)) {
-    see(stream, repeat.place, hash_of(repeat.data.data(), repeat.nbytes), false);
+  const std::size_t hash = hash_of(repeat.data.data(), repeat.nbytes);
+  const auto same = [&](const Seen& one) { return one.place == repeat.place && one.hash == hash; };  // also before its numbers began anew
+  if (repeat.nbytes > 0 && !has_seen(stream, repeat.place) && std::none_of(stream.seen.begin(), stream.seen.end(), same)) {
+    see(stream, repeat.place, hash, false);
     stream.held.emplace(repeat.place, repeat.data);
   }
   advance(repeat.channel, stream);
