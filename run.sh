@@ -153,7 +153,7 @@ main() {
   case $verb in
     help | -h | --help) help ;;
     stop) stop ;;
-    build) ensure_built all ;;
+    build) ensure_built "${1:-all}" ;;
     test) if [[ ${1:-} == --sanitize ]]; then shift; sanitize "$@"; else ensure_built all; run_tests "$@"; fi ;;
     bench) bench "$@" ;;
     demo | live | replay | offline | simulate | annotate | train | evaluate | optimize | report | record | ask | spy | view | status | polish | doctor) ensure_built programs; "$verb" "$@" ;;

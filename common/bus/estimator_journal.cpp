@@ -26,39 +26,39 @@ struct Records {
 };
 
 /// Takes in what one state completes. @throws BadMessage
-void take(const std::vector<const LogEvent*>& completed, Records& records) {
-  for (const LogEvent* record : completed) {
+void take(const std::vector<LogEvent>& completed, Records& records) {
+  for (const LogEvent& record : completed) {
     graph_node_t node{};
     graph_update_t update{};
     loop_closure_t loop{};
     estimator_anchor_t anchor{};
-    if (record->channel == channel::kNode && read_record(*record, node)) {
+    if (record.channel == channel::kNode && read_record(record, node)) {
       records.nodes[node.id] = std::move(node);
-    } else if (record->channel == channel::kGraph && read_record(*record, update)) {
+    } else if (record.channel == channel::kGraph && read_record(record, update)) {
       if (update.chunk == 0) records.updates[update.seq].clear();
       records.updates[update.seq][update.chunk] = std::move(update);
-    } else if (record->channel == kLoopRecord && read_record(*record, loop)) {
+    } else if (record.channel == kLoopRecord && read_record(record, loop)) {
       records.loops.push_back(to_loop(loop));
-    } else if (record->channel == kEstimatorAnchor && read_record(*record, anchor)) {
+    } else if (record.channel == kEstimatorAnchor && read_record(record, anchor)) {
       records.anchor = anchor;
     }
   }
 }
 
-bool read_records(const std::vector<LogEvent>& events, Records& records) {
-  std::vector<const LogEvent*> open;
+bool read_records(Journal& journal, Records& records) {
+  std::vector<LogEvent> open;
   bool any = false;
-  for (const LogEvent& event : events) {
+  journal.read_past([&](const LogEvent& event) {
     estimator_state_t state{};
     if (event.channel != kEstimatorState) {
-      open.push_back(&event);
+      open.push_back(event);
     } else if (read_record(event, state)) {
       take(open, records);
       open.clear();
       records.state = state;
       any = true;
     }
-  }
+  });
   return any;
 }
 
@@ -110,11 +110,11 @@ std::string missing(const Records& records) {
 
 }  // namespace
 
-std::optional<EstimatorPast> read_estimator_journal(const std::vector<LogEvent>& events, std::string& trouble) {
+std::optional<EstimatorPast> read_estimator_journal(Journal& journal, std::string& trouble) {
   Records records;
   EstimatorPast past;
   try {
-    if (!read_records(events, records)) return std::nullopt;
+    if (!read_records(journal, records)) return std::nullopt;
     if (trouble = missing(records); !trouble.empty()) return std::nullopt;
     for (NodeId id = 0; id < records.state.nnodes; ++id) {
       past.nodes.push_back(std::move(records.nodes[id]));

@@ -26,6 +26,6 @@ struct EstimatorPast {
 };
 
 /// @return nothing when the records hold no state, or too little of a graph to go on from; `trouble` then says what is wrong.
-std::optional<EstimatorPast> read_estimator_journal(const std::vector<LogEvent>& records, std::string& trouble);
+std::optional<EstimatorPast> read_estimator_journal(Journal& journal, std::string& trouble);
 
 }  // namespace modslam

@@ -61,9 +61,8 @@ EstimatorSession::EstimatorSession(Bus& bus, const EstimatorConfig& config, cons
 }
 
 void EstimatorSession::resume() {
-  std::optional<EstimatorPast> past = read_estimator_journal(journal_.past(), trouble_);
+  std::optional<EstimatorPast> past = read_estimator_journal(journal_, trouble_);
   resumed_from_us_ = journal_.last_us();
-  journal_.forget_past();
   if (!trouble_.empty()) trouble_ = "; its journal cannot be used: " + trouble_;
   if (!past) return;
   resumed_ = true;

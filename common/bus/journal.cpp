@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/bus/journal.hpp"
 
-#include <malloc.h>
-
 #include <chrono>
 #include <filesystem>
 
@@ -22,18 +20,19 @@ Journal::Journal(const JournalConfig& config, const std::string& process, Mode m
   if (mode == kAppend) std::filesystem::create_directories(config.folder, error);
   if (std::filesystem::is_regular_file(path, error) && std::filesystem::file_size(path, error) > 0) {
     try {
-      LogReader reader(path);
-      for (LogEvent event; reader.next(event);) past_.push_back(std::move(event));
-    } catch (const std::runtime_error&) {
-      past_.clear();  // no whole record in it: killed while it wrote the first
+      past_ = std::make_unique<LogReader>(path);
+    } catch (const std::runtime_error&) {  // no whole record in it: killed while it wrote the first
     }
   }
   if (mode == kAppend) writer_ = std::make_unique<LogWriter>(path, LogWriter::kAppend);
 }
 
-void Journal::forget_past() {
-  past_ = {};
-  malloc_trim(0);  // to the system: a long run's journal is large
+void Journal::read_past(const std::function<void(const LogEvent&)>& each) {
+  for (LogEvent record; past_ && past_->next(record);) {
+    last_us_ = record.utime;
+    each(record);
+  }
+  past_.reset();
 }
 
 void Journal::write(const std::string& channel, const void* bytes, int size) {

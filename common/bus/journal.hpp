@@ -4,6 +4,7 @@
 /// An LCM event log of its own in the run's folder. Each record is in the hands of the system when write() returns: that survives
 /// kill -9, though not a power cut. When the disk is full the process goes on without a journal and says so.
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,16 +24,14 @@ struct JournalConfig {
 class Journal {
  public:
   enum Mode { kAppend, kReadOnly };
-  /// Reads what an earlier life of `process` wrote and goes on behind it. An empty folder: keeps nothing.
+  /// Goes on behind what an earlier life of `process` wrote. An empty folder: keeps nothing.
   /// @throws std::runtime_error when the folder cannot be written.
   Journal(const JournalConfig& config, const std::string& process, Mode mode = kAppend);
 
-  /// What was there at the start, oldest first.
-  const std::vector<LogEvent>& past() const { return past_; }
-  /// [us] of wall time when the last of it was written; 0 when there is none.
-  std::int64_t last_us() const { return past_.empty() ? 0 : past_.back().utime; }
-  /// Gives the memory back once the past has been read.
-  void forget_past();
+  /// Hands out what was there at the start, oldest first, once. It is read record by record: a long run's journal costs time, not memory.
+  void read_past(const std::function<void(const LogEvent&)>& each);
+  /// [us] of wall time when the last of it was written; 0 when there was none or it was not read yet.
+  std::int64_t last_us() const { return last_us_; }
 
   bool on() const { return writer_ != nullptr; }
   void write(const std::string& channel, const void* bytes, int size);
@@ -47,7 +46,8 @@ class Journal {
   const std::string& trouble() const { return trouble_; }
 
  private:
-  std::vector<LogEvent> past_;
+  std::unique_ptr<LogReader> past_;
+  std::int64_t last_us_ = 0;
   std::unique_ptr<LogWriter> writer_;
   std::vector<std::uint8_t> buffer_;
   std::string trouble_;

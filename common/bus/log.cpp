@@ -16,6 +16,7 @@ namespace {
 constexpr std::uint32_t kMagic = 0xEDA1DA01u;
 constexpr std::size_t kHeader = 28;
 constexpr std::uint64_t kMaxChannel = 63, kMaxData = 64u << 20;
+constexpr std::size_t kPiece = 1 << 20;
 
 std::uint64_t big_endian(const char* bytes, int count) {
   std::uint64_t value = 0;
@@ -33,58 +34,92 @@ void append_big_endian(std::string& out, std::uint64_t value, int count) {
 
 }  // namespace
 
-LogReader::LogReader(const std::string& path, std::size_t last_bytes) {
+LogReader::LogReader(const std::string& path, std::size_t last_bytes) : path_(path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     throw std::runtime_error(path + ": there is no such file");
   }
   errno = 0;
-  std::ifstream in(path, std::ios::binary);
-  if (!in) fail(path, "cannot be opened");
-  const std::size_t size = std::filesystem::file_size(path);
-  file_.resize(std::min(size, last_bytes));
-  tail_ = file_.size() < size;
-  in.seekg(static_cast<std::streamoff>(size - file_.size()));
-  in.read(file_.data(), static_cast<std::streamsize>(file_.size()));
-  if (in.gcount() != static_cast<std::streamsize>(file_.size())) fail(path, "cannot be read");
+  in_.open(path, std::ios::binary);
+  if (!in_) fail(path, "cannot be opened");
+  end_ = std::filesystem::file_size(path);
+  begin_ = at_ = end_ - std::min(end_, last_bytes);
+  tail_ = begin_ > 0;
   LogEvent event;
   if (!next(event)) throw std::runtime_error(path + ": holds no LCM event; is it an LCM log?");
-  at_ = 0;
+  at_ = begin_;
   skipped_bytes_ = skipped_places_ = first_skip_ = 0;
 }
 
-bool LogReader::parse(std::size_t at, LogEvent& event, std::size_t& end) const {
-  if (file_.size() - at < kHeader || big_endian(&file_[at], 4) != kMagic) return false;
-  const std::uint64_t channel_length = big_endian(&file_[at + 20], 4), data_length = big_endian(&file_[at + 24], 4);
+/// These bytes of the file, all of which it has; the next call moves them. @throws std::runtime_error when the disk fails.
+const char* LogReader::bytes(std::size_t at, std::size_t count) {
+  if (at < piece_at_ || at + count > piece_at_ + piece_.size()) {
+    piece_.resize(std::min(std::max(count, kPiece), end_ - at));
+    piece_at_ = at;
+    errno = 0;
+    in_.clear();
+    in_.seekg(static_cast<std::streamoff>(at));
+    in_.read(piece_.data(), static_cast<std::streamsize>(piece_.size()));
+    if (in_.gcount() != static_cast<std::streamsize>(piece_.size())) fail(path_, "cannot be read");
+  }
+  return &piece_[at - piece_at_];
+}
+
+/// Looks without moving the piece: a wild length costs four bytes.
+bool LogReader::is_magic(std::size_t at) {
+  char word[4];
+  if (at >= piece_at_ && at + 4 <= piece_at_ + piece_.size()) {
+    std::copy_n(&piece_[at - piece_at_], 4, word);
+  } else {
+    in_.clear();
+    in_.seekg(static_cast<std::streamoff>(at));
+    if (!in_.read(word, 4)) return false;
+  }
+  return big_endian(word, 4) == kMagic;
+}
+
+bool LogReader::parse(LogEvent& event) {
+  if (end_ - at_ < kHeader) return false;
+  const char* const head = bytes(at_, kHeader);
+  if (big_endian(head, 4) != kMagic) return false;
+  const std::uint64_t channel_length = big_endian(head + 20, 4), data_length = big_endian(head + 24, 4);
   if (channel_length < 1 || channel_length > kMaxChannel || data_length > kMaxData) return false;
-  end = at + kHeader + channel_length + data_length;
-  if (end > file_.size()) return false;
+  const std::size_t size = kHeader + channel_length + data_length;
+  if (size > end_ - at_) return false;
   // A length that was damaged but stays plausible betrays itself: no event follows.
-  if (end + 4 <= file_.size() && big_endian(&file_[end], 4) != kMagic) return false;
-  event.number = static_cast<std::int64_t>(big_endian(&file_[at + 4], 8));
-  event.utime = static_cast<std::int64_t>(big_endian(&file_[at + 12], 8));
-  event.channel.assign(&file_[at + kHeader], channel_length);
-  const char* data = file_.data() + at + kHeader + channel_length;
-  event.bytes.assign(data, data + data_length);
+  if (at_ + size + 4 <= end_ && !is_magic(at_ + size)) return false;
+  const char* const whole = bytes(at_, size);
+  event.number = static_cast<std::int64_t>(big_endian(whole + 4, 8));
+  event.utime = static_cast<std::int64_t>(big_endian(whole + 12, 8));
+  event.channel.assign(whole + kHeader, channel_length);
+  event.bytes.assign(whole + kHeader + channel_length, whole + size);
   return true;
+}
+
+/// Goes on to the next magic word, or to the end.
+void LogReader::seek_magic() {
+  static const char magic[4] = {'\xED', '\xA1', '\xDA', '\x01'};
+  ++at_;
+  while (end_ - at_ >= sizeof magic) {
+    const char* const first = bytes(at_, sizeof magic);
+    const char* const last = piece_.data() + piece_.size();
+    const char* const found = std::search(first, last, magic, magic + sizeof magic);
+    at_ += static_cast<std::size_t>(found - first);
+    if (found != last) return;
+    at_ -= sizeof magic - 1;  // it may lie across the piece's end
+    if (end_ - at_ < sizeof magic) break;
+  }
+  at_ = end_;
 }
 
 bool LogReader::next(LogEvent& event) {
   const std::size_t start = at_;
-  while (at_ < file_.size()) {
-    std::size_t end = 0;
-    if (parse(at_, event, end)) break;
-    ++at_;
-    static const char magic[4] = {'\xED', '\xA1', '\xDA', '\x01'};
-    at_ = static_cast<std::size_t>(
-        std::search(file_.begin() + static_cast<std::ptrdiff_t>(at_), file_.end(), magic, magic + 4) -
-        file_.begin());
-  }
+  while (at_ < end_ && !parse(event)) seek_magic();
   if (at_ > start) {
-    if (!skipped_places_++) first_skip_ = static_cast<std::int64_t>(start);
+    if (!skipped_places_++) first_skip_ = static_cast<std::int64_t>(start - begin_);
     skipped_bytes_ += static_cast<std::int64_t>(at_ - start);
   }
-  if (at_ >= file_.size()) return false;
+  if (at_ >= end_) return false;
   at_ += kHeader + event.channel.size() + event.bytes.size();
   return true;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Reads and writes LCM event logs. The reader survives what the stock reader ends at silently:
-/// a broken magic word, wild lengths, a cut tail; it finds the next event and counts what it skipped.
+/// a broken magic word, wild lengths, a cut tail; it finds the next event and counts what it skipped. It holds a piece of the file at
+/// a time, so that a log may be larger than memory.
 #pragma once
 #include <cstdint>
 #include <cstdio>
@@ -31,8 +32,15 @@ class LogReader {
   std::string damage() const;
 
  private:
-  bool parse(std::size_t at, LogEvent& event, std::size_t& end) const;
-  std::vector<char> file_;
+  bool parse(LogEvent& event);
+  const char* bytes(std::size_t at, std::size_t count);
+  bool is_magic(std::size_t at);
+  void seek_magic();
+  std::string path_;
+  std::ifstream in_;
+  std::size_t begin_ = 0, end_ = 0;  ///< of the part that is read; a file that grows meanwhile is read up to where it ended
+  std::vector<char> piece_;
+  std::size_t piece_at_ = 0;
   bool tail_ = false;
   std::size_t at_ = 0;
   std::int64_t skipped_bytes_ = 0, skipped_places_ = 0, first_skip_ = 0;

@@ -2,6 +2,7 @@
 #include "common/bus/process.hpp"
 
 #include <arpa/inet.h>
+#include <malloc.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/resource.h>
@@ -51,6 +52,10 @@ void limit_memory() {
 #endif
 }
 
+/// Large pieces go back to the machine when they are freed, instead of becoming holes among small ones: left to itself the C library moves
+/// them into the heap after the first few.
+void keep_large_pieces_out_of_the_heap() { mallopt(M_MMAP_THRESHOLD, 128 << 10); }
+
 struct Options {
   std::string config = "config/modslam.toml";
   std::vector<std::string> overrides;
@@ -90,6 +95,7 @@ class Host {
       const std::int64_t now_us = steady_us();
       repair_.tick(now_us);
       module_->tick(now_us);
+      if (now_us - last_trim_us_ >= kTrimEvery_us) give_memory_back(now_us);
       if (finish_by_us_ != 0 && ((module_->complete() && repair_.idle()) || now_us > finish_by_us_)) finish();
       if (delivered_until_us_ != 0 && now_us > delivered_until_us_) {
         bus_.forget_delivered();
@@ -142,8 +148,16 @@ class Host {
   void finish() {
     finish_by_us_ = 0;
     module_->finish();
+    give_memory_back(steady_us());
     finished_ = true;
     status_.publish(state(), true);
+  }
+
+  /// What was freed goes back to the machine: neither a burst of messages nor the polish at the end leaves a mark. A few pages are
+  /// asked for anew afterwards, which is why it is not done all the time.
+  void give_memory_back(std::int64_t now_us) {
+    malloc_trim(0);
+    last_trim_us_ = now_us;
   }
 
   /// A module that goes on where an earlier life was killed gets what it missed, from the run's log.
@@ -187,13 +201,13 @@ class Host {
   std::unique_ptr<Module> module_;
   StatusReporter status_;
   LossMeter losses_;
-  static constexpr std::int64_t kFinishPatience_us = 10'000'000, kEchoes_us = 5'000'000;
+  static constexpr std::int64_t kFinishPatience_us = 10'000'000, kEchoes_us = 5'000'000, kTrimEvery_us = 10'000'000;
   static constexpr int kCatchUpPatience_ms = 1500;
   bool finished_ = false;
   std::int64_t finish_by_us_ = 0;       ///< not 0: told to finish, waits for what is missing
   std::int64_t delivered_until_us_ = 0;  ///< not 0: messages from the log may come a second time
   int published_state_ = -1;
-  std::int64_t last_status_us_ = 0, last_bad_us_ = 0;
+  std::int64_t last_status_us_ = 0, last_bad_us_ = 0, last_trim_us_ = 0;
 };
 
 }  // namespace
@@ -289,6 +303,7 @@ int run_process(int argc, char** argv, const std::string& name, ModuleFactory ma
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
   limit_memory();
+  keep_large_pieces_out_of_the_heap();
   try {
     if (const std::string trouble = preflight(options.url); !trouble.empty())
       throw std::runtime_error(trouble);

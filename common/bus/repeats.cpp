@@ -55,8 +55,14 @@ void KeptMessages::keep(const std::string& channel, const void* bytes, int size)
   std::deque<Copy>& copies = copies_[channel];
   const std::int64_t place = place_of(channel, bytes, size);
   if (number_at(channel) && !copies.empty() && place <= copies.back().place) copies.clear();  // numbers begin anew
-  copies.push_back({place, copy(bytes, size), -kSameQuestion_us});
-  if (copies.size() > kCopies) copies.pop_front();
+  std::vector<std::uint8_t> place_in_memory;  // of the oldest: small pieces that live long, strewn over the heap, would hold its pages
+  if (copies.size() == kCopies) {
+    place_in_memory = std::move(copies.front().bytes);
+    copies.pop_front();
+  }
+  const auto* first = static_cast<const std::uint8_t*>(bytes);
+  place_in_memory.assign(first, first + size);
+  copies.push_back({place, std::move(place_in_memory), -kSameQuestion_us});
 }
 
 std::vector<repeat_t> KeptMessages::answer(const repeat_request_t& request, std::int64_t now_us) {
@@ -101,7 +107,7 @@ bool StreamRepair::is_known(const std::string& channel, Stream& stream, std::int
 }
 
 bool StreamRepair::has_seen(const Stream& stream, std::int64_t place) {
-  return std::any_of(stream.seen.rbegin(), stream.seen.rend(), [place](const Seen& one) { return one.place == place; });
+  return std::any_of(stream.seen.rbegin(), stream.seen.rend(), [place](const Seen& one) { return one.place == place && !one.before; });
 }
 
 bool StreamRepair::take(const std::string& channel, const void* bytes, int size) {
@@ -129,8 +135,8 @@ void StreamRepair::step_back(const std::string& channel, Stream& stream) {
   while (!stream.held.empty()) pass(channel, stream);
   stream.as_they_come = number_at(channel) ? 1 : kAsTheyCome;
   if (!number_at(channel)) return;
-  const Seen newest = stream.seen.back();
-  stream.seen = {newest};
+  for (Seen& one : stream.seen) one.before = true;  // their numbers come anew; they themselves, doubled by the network, must not
+  stream.seen.back().before = false;
   stream.previous.clear();
 }
 
@@ -173,8 +179,10 @@ void StreamRepair::take(const repeat_t& repeat) {
   }
   if (repeat.place <= stream.last || (stream.last < 0 && !stream.tail)) return;
   stream.previous[repeat.place] = repeat.previous;
-  if (repeat.nbytes > 0 && !has_seen(stream, repeat.place)) {
-    see(stream, repeat.place, hash_of(repeat.data.data(), repeat.nbytes), false);
+  const std::size_t hash = hash_of(repeat.data.data(), repeat.nbytes);
+  const auto same = [&](const Seen& one) { return one.place == repeat.place && one.hash == hash; };  // also before its numbers began anew
+  if (repeat.nbytes > 0 && !has_seen(stream, repeat.place) && std::none_of(stream.seen.begin(), stream.seen.end(), same)) {
+    see(stream, repeat.place, hash, false);
     stream.held.emplace(repeat.place, repeat.data);
   }
   advance(repeat.channel, stream);
@@ -223,7 +231,7 @@ void StreamRepair::pass(const std::string& channel, Stream& stream) {
 }
 
 void StreamRepair::see(Stream& stream, std::int64_t place, std::size_t hash, bool heard) {
-  stream.seen.push_back({place, hash, heard});
+  stream.seen.push_back({place, hash, heard, false});
   if (stream.seen.size() > kSeen) stream.seen.pop_front();
 }
 

@@ -68,7 +68,8 @@ class StreamRepair : public Bus::Gate {
   struct Seen {
     std::int64_t place;
     std::size_t hash;
-    bool heard;  ///< over the network itself, not only repeated
+    bool heard;   ///< over the network itself, not only repeated
+    bool before;  ///< its numbers have begun anew since
   };
   struct Stream {
     bool kept = false;                ///< its speaker keeps copies

@@ -57,9 +57,9 @@ SimulationStates::SimulationStates(Bus& bus, const JournalConfig& journal, Handl
 void SimulationStates::resume() {
   past_ = true;
   sim_state_t message{};
-  for (const LogEvent& record : journal_.past())
+  journal_.read_past([&](const LogEvent& record) {
     if (read_record(record, message)) take(to_simulation_state(message));
-  journal_.forget_past();
+  });
   past_ = false;
 }
 

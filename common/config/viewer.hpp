@@ -10,7 +10,7 @@ struct ViewerConfig {
   std::string host = "127.0.0.1";
   std::int64_t port = 8080;
   double rate_hz = 10.0;
-  std::int64_t history_mb = 64;
+  std::int64_t history_mb = 16;
 
   void visit(ConfigVisitor& v) {
     v.text("host", host,
@@ -20,7 +20,7 @@ struct ViewerConfig {
     v.number("rate_hz", rate_hz, 1.0, 30.0, "Hz",
              "How often a moving thing is sent to a page at most.");
     v.integer("history_mb", history_mb, 1, 2000, "MB",
-              "Memory for the run's past; a longer run is kept whole, in larger steps.");
+              "Memory for the run's past, taken at the start; a longer run is kept whole, in larger steps.");
   }
 };
 

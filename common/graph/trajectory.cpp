@@ -2,7 +2,10 @@
 #include "common/graph/trajectory.hpp"
 
 #include <algorithm>
+#include <set>
 #include <unordered_map>
+
+#include "common/graph/components.hpp"
 
 namespace modslam {
 namespace {
@@ -57,6 +60,29 @@ std::vector<Pose2> final_path(const std::vector<TrackedPose>& tracked,
       place_span(tracked, begin, end, pose->second, next, pose_next->second * next->T_node_base, path);
   }
   return path;
+}
+
+void add_lost_nodes(std::vector<TrackedPose>& tracked, const std::map<NodeId, std::int64_t>& node_utimes,
+                    const std::map<EdgeId, GraphEdge>& edges) {
+  std::set<std::pair<NodeId, std::int64_t>> told;
+  for (const TrackedPose& pose : tracked) told.emplace(pose.node, pose.utime);
+  std::map<NodeId, GraphEdge> from_before;
+  for (const auto& [id, edge] : edges)
+    if (edge.kind == EdgeKind::kSequence && edge.from < edge.to && !is_break(edge)) from_before.emplace(edge.to, edge);
+  for (const auto& [id, utime] : node_utimes) {
+    const auto edge = from_before.find(id);
+    if (edge == from_before.end() || told.count({id, utime})) continue;
+    TrackedPose lost;
+    lost.utime = utime;
+    lost.node = id;
+    lost.node_before = edge->second.from;
+    lost.T_before_base = edge->second.T_from_to;
+    const NodeId node = id;
+    auto behind = std::find_if(tracked.begin(), tracked.end(), [node](const TrackedPose& pose) { return pose.node == node; });
+    if (behind == tracked.end())
+      behind = std::find_if(tracked.begin(), tracked.end(), [node](const TrackedPose& pose) { return pose.node > node; });
+    tracked.insert(behind, lost);
+  }
 }
 
 std::vector<int> match_in_order(const std::vector<std::int64_t>& scan_utimes,

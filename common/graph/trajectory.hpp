@@ -32,6 +32,11 @@ struct TrackedPose {
 std::vector<Pose2> final_path(const std::vector<TrackedPose>& tracked,
                               const std::map<NodeId, Pose2>& T_map_node);
 
+/// A scan that became a node is known from the graph, to the bit, also where the pose that told of it was lost: puts it in, so that the
+/// path before it is no worse for that. What comes after an old node was found again cannot be put in: its scans stay where they were tracked.
+void add_lost_nodes(std::vector<TrackedPose>& tracked, const std::map<NodeId, std::int64_t>& node_utimes,
+                    const std::map<EdgeId, GraphEdge>& edges);
+
 /// Finds for each scan the pose that was estimated for it: both in file order, stamps may repeat or
 /// step back.
 /// @return for each scan an index into pose_utimes, or -1.

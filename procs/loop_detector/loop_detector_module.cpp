@@ -52,13 +52,12 @@ class LoopDetectorModule : public Module {
   /// What was said in the life before; the last word tells how far it had looked.
   void resume() {
     loop_closure_t loop{};
-    for (const LogEvent& record : journal_.past())
-      if (read_record(record, loop)) {
-        said_.push_back(loop);
-        usable_ += is_usable(static_cast<Verdict>(loop.verdict));
-        looked_at_ = loop.to_node;
-      }
-    journal_.forget_past();
+    journal_.read_past([&](const LogEvent& record) {
+      if (!read_record(record, loop)) return;
+      said_.push_back(loop);
+      usable_ += is_usable(static_cast<Verdict>(loop.verdict));
+      looked_at_ = loop.to_node;
+    });
   }
 
   Pose2 pose(NodeId id) const { return mirror_.nodes()[static_cast<std::size_t>(id)].T_map_base; }

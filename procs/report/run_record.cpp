@@ -125,6 +125,7 @@ RunRecord read_run(const std::string& log_path) {
   LogReader log(log_path);
   Readers readers(run);
   for (LogEvent event; log.next(event);) readers.read(event, run.channels[event.channel]);
+  add_lost_nodes(run.poses, run.graph.node_utimes(), run.graph.edges());
   run.damage = log.damage();
   return run;
 }

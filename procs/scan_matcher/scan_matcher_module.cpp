@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// procs/scan_matcher — LASER + ODOMETRY + SENSOR_INFO → SCAN_MATCH. Config: [scan_matcher], [odometry_model].
+#include <algorithm>
+#include <deque>
 #include <modslam/matcher_state_t.hpp>
 #include <modslam/scan_match_t.hpp>
 
@@ -44,20 +46,20 @@ class ScanMatcherModule : public Module {
   void resume() {
     matcher_state_t state{}, newest{};
     bot_core::planar_lidar_t laser{};
-    std::vector<ScanMatcher::PlacedScan> joined;
+    std::deque<ScanMatcher::PlacedScan> joined;  // no more than the local map holds
     bool joins = false;
-    for (const LogEvent& record : journal_.past()) {
+    journal_.read_past([&](const LogEvent& record) {
       if (record.channel == channel::kLaser) {
         joins = read_record(record, laser);
       } else if (read_record(record, state)) {
         newest = state;
         if (joins) joined.push_back({to_scan(laser), to_sensor_info(state.sensor), to_pose(state.T_track_base)});
+        while (joined.size() > std::max<std::size_t>(1, static_cast<std::size_t>(std::max(0, state.keyframes)))) joined.pop_front();
         joins = false;
       }
-    }
+    });
     if (joined.empty()) return;
-    joined.erase(joined.begin(), joined.end() - std::clamp<std::ptrdiff_t>(newest.keyframes, 1, static_cast<std::ptrdiff_t>(joined.size())));
-    matcher_.resume(joined, to_pose(newest.T_track_base), newest.failures);
+    matcher_.resume({joined.begin(), joined.end()}, to_pose(newest.T_track_base), newest.failures);
     source_.set_sensor(joined.back().sensor);
     T_odom_last_ = to_pose(newest.T_odom_base);
     utime_last_ = newest.utime;
@@ -66,7 +68,6 @@ class ScanMatcherModule : public Module {
     begins_ = false;
     doubtful_ = newest.doubtful;
     resumption_ = Resumption{{channel::kLaser, channel::kOdometry, channel::kSensorInfo}, channel::kLaser, utime_last_, journal_.last_us()};
-    journal_.forget_past();
   }
 
   /// After the match was published: whoever is killed in between matches the scan again, with the same result.

@@ -73,9 +73,8 @@ class SimulatorModule : public Module {
   /// After a crash: drives in no time to where the last life was.
   void resume() {
     sim_state_t last{};
-    for (const LogEvent& record : journal_.past()) read_record(record, last);
-    started_ = !journal_.past().empty();
-    journal_.forget_past();
+    journal_.read_past([&](const LogEvent& record) { read_record(record, last); });
+    started_ = journal_.last_us() != 0;
     while (simulation_.state().step < last.step && !simulation_.state().finished) simulation_.advance();
   }
 

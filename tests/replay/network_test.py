@@ -23,7 +23,7 @@ ROUTE = os.environ.get("MODSLAM_NETWORK_ROUTE", "C_bedroom_full")
 SPEED = float(os.environ.get("MODSLAM_NETWORK_SPEED", 6))
 SENSORS, MAPPING = ["laser", "odometry", "ins"], ["scan_matcher", "graph_optimizer", "loop_detector", "map_builder", "semantic_classifier"]
 LATE_WITHIN_S, ERROR_SHARE = 2.0, 0.10
-COUNT_SHARE = 0.02  # the aim is 0.01, and most runs are within 0.005; one of eleven was off by 0.012, which is not understood yet
+COUNT_SHARE = 0.01
 SLACK_M = 0.001  # of a single drive; which loop is found first differs from run to run
 COUNTED = ("LASER", "SENSOR_INFO", "ODOMETRY", "INS", "SIM_STATE", "GROUND_TRUTH", "SIM_INFO", "STATUS")
 PORT = 31250
@@ -88,7 +88,7 @@ class Building:
                                "semantic_classifier")
         equal(settled.returncode, 0, f"{settled.stderr}: settling")
         self.overrun = self.sensors.wire.overrun() + self.mapping.unread(self.recorder)  # that a busy machine dropped, in the switch or behind it
-        self.drops = sum(self.sensors.wire.dropped[channel] for channel in COUNTED)
+        self.dropped = {channel: self.sensors.wire.dropped[channel] for channel in COUNTED}
         time.sleep(4)  # what got lost of the last words is asked for and told
 
     def join_late(self):
@@ -115,12 +115,12 @@ class Building:
         return float("inf")
 
     def lost_of_sensors(self):
-        """As the recorder on the mapping machine counted, of what the sensors' machine sent."""
+        """As the recorder on the mapping machine counted, of what the sensors' machine sent, by channel."""
         newest = {}
-        for _, name, counts in system.status_inputs(self.log(self.mapping)):
-            if name == "recorder":
-                newest = counts
-        return sum(counts[2] for channel, counts in newest.items() if channel in COUNTED)
+        for status in system.status_messages(self.log(self.mapping)):
+            if status["pid"] == self.recorder.pid:  # the desk's recorder is heard here too, and counts what two wires lose
+                newest = status["inputs"]
+        return {channel: newest[channel][2] if channel in newest else 0 for channel in COUNTED}
 
 
 def drive(loss, seed, disorder=False):
@@ -150,12 +150,15 @@ def lossy_drive(loss, seed):
     """@return the error of the path."""
     wild = drive(loss, seed)
     here, there = wild.results(wild.mapping), wild.results(wild.desk)
-    lost, late = wild.lost_of_sensors(), wild.viewer_complete_after_s()
-    print(f"loss {loss} %, seed {seed}: {wild.drops} messages dropped, and {wild.overrun} by the busy machine, {lost} counted; path error {1e3 * error_m(here):.2f} mm; scans "
+    counted, late = wild.lost_of_sensors(), wild.viewer_complete_after_s()
+    drops, lost = sum(wild.dropped.values()), sum(counted.values())
+    otherwise = {channel: (drop, counted[channel]) for channel, drop in wild.dropped.items() if drop != counted[channel]}
+    print(f"dropped and counted otherwise: {otherwise}", flush=True)
+    print(f"loss {loss} %, seed {seed}: {drops} messages dropped, and {wild.overrun} by the busy machine, {lost} counted; path error {1e3 * error_m(here):.2f} mm; scans "
           f"{here['scans']}, {here['scans_without_pose']} without a pose; nodes {here['graph']['nodes']}, at the desk {there['graph']['nodes']}; "
           f"a viewer that came late was complete after {late:.1f} s", flush=True)
     same_everywhere(here, there)
-    check(abs(lost - wild.drops) <= max(COUNT_SHARE * wild.drops, 3) + wild.overrun, f"{wild.drops} messages were dropped, {lost} counted, {wild.overrun} by the busy machine")
+    check(abs(lost - drops) <= max(COUNT_SHARE * drops, 3) + wild.overrun, f"{drops} messages were dropped, {lost} counted, {wild.overrun} by the busy machine")
     check(late < LATE_WITHIN_S, f"the viewer was complete after {late:.1f} s")
     return error_m(here)
 

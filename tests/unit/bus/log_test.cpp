@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/bus/log.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <fstream>
 
@@ -95,6 +96,39 @@ TEST_CASE("noise between events and before the first is stepped over") {
   const std::string changed = noise + log.bytes.substr(0, 5 * kEventBytes) + log.bytes.substr(5 * kEventBytes);
   REQUIRE(log.read(changed).size() == kEvents);
   REQUIRE(log.skipped == static_cast<std::int64_t>(noise.size()));
+}
+
+TEST_CASE("a log that is read in pieces loses no more than one of a piece") {
+  constexpr std::size_t kBytes = 30'011;  // some forty events a piece, each across its edge elsewhere
+  TemporaryFolder folder;
+  const std::string path = folder.path + "/large.lcm";
+  {
+    LogWriter writer(path);
+    const std::string data(kBytes, '\xED');  // as a magic word begins
+    for (int k = 0; k < 200; ++k) writer.write(k, "C", data.data(), static_cast<int>(kBytes));
+    writer.close();
+  }
+  {
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    for (const int k : {30, 34, 35, 90}) {  // the piece's edge lies in or near the first three
+      file.seekp(static_cast<std::streamoff>(k * (28 + 1 + kBytes) + 20));  // the length of its channel's name
+      file.put('\x7f');
+    }
+  }
+  LogReader reader(path);
+  std::vector<std::int64_t> found;
+  for (LogEvent event; reader.next(event);) {
+    REQUIRE(event.bytes.size() == kBytes);
+    found.push_back(event.utime);
+  }
+  CHECK(found.size() == 196);
+  CHECK(std::is_sorted(found.begin(), found.end()));
+  CHECK(reader.skipped_bytes() == static_cast<std::int64_t>(4 * (28 + 1 + kBytes)));
+  LogReader tail(path, 100 * (28 + 1 + kBytes));
+  LogEvent event;
+  REQUIRE(tail.next(event));
+  CHECK(tail.is_tail());
+  CHECK(event.utime == 100);
 }
 
 TEST_CASE("two hundred logs with random bytes changed are read to their end") {

@@ -45,6 +45,37 @@ TEST_CASE("the final path has no jump where the node changes, however the nodes 
   REQUIRE(jump < hung_jump / 5);
 }
 
+TEST_CASE("scans that became nodes are put back in where their pose was lost, and nothing else is") {
+  std::vector<TrackedPose> whole;
+  std::map<NodeId, std::int64_t> node_utimes;
+  std::map<EdgeId, GraphEdge> edges;
+  for (int i = 0; i < 60; ++i) {
+    const bool is_node = i % 10 == 0;
+    const NodeId node = i / 10;
+    whole.push_back({i, node, {0.1 * (i % 10), 0, 0}, {}, is_node ? node - 1 : -1, is_node && i > 0 ? Pose2(1, 0.01 * i, 0) : Pose2()});
+    if (is_node) node_utimes[node] = i;
+    if (is_node && i > 0) edges[node] = {node, node - 1, node, EdgeKind::kSequence, whole.back().T_before_base, Eigen::Matrix3d::Identity()};
+  }
+  edges[100] = {100, 0, 5, EdgeKind::kLoop, {3, 3, 3}, Eigen::Matrix3d::Identity()};
+  edges[3].information *= 1e-6;  // nobody knows how the robot came to node 3
+  std::vector<TrackedPose> lossy;
+  for (const TrackedPose& pose : whole)
+    if (pose.utime % 20 != 10 && pose.utime != 50) lossy.push_back(pose);  // of nodes 1, 3 and 5
+  lossy.erase(lossy.end() - 9, lossy.end());                                // nothing hangs on the last one
+  add_lost_nodes(lossy, node_utimes, edges);
+  std::vector<std::int64_t> utimes;
+  for (const TrackedPose& pose : lossy) {
+    const TrackedPose& before = whole[static_cast<std::size_t>(pose.utime)];
+    utimes.push_back(pose.utime);
+    CHECK(pose.node_before == before.node_before);
+    CHECK_THAT(pose.T_before_base, IsNear(before.T_before_base, 1e-12, 1e-12));
+  }
+  CHECK(utimes.size() == 50);
+  CHECK(std::is_sorted(utimes.begin(), utimes.end()));
+  CHECK(std::count(utimes.begin(), utimes.end(), 30) == 0);
+  CHECK(utimes.back() == 50);
+}
+
 TEST_CASE("a robot that stands still, or whose node is unknown, gets a pose all the same") {
   const std::vector<TrackedPose> tracked = {
       {0, -1, {}, {5, 6, 1}, -1, {}}, {1, 0, {}, {}, -1, {}}, {2, 0, {}, {}, -1, {}}, {3, 9, {1, 0, 0}, {7, 8, 2}, -1, {}}};

@@ -68,6 +68,21 @@ TEST_CASE("a long run stays within its budget, whole, in larger steps, and its e
   }
 }
 
+TEST_CASE("a tile comes back as it was, and what is larger than all memory for the past is left out") {
+  History history(1000);
+  const std::string tile("\0\1binary\xff", 9);
+  history.add("tile", s(1), std::make_shared<Frame>(Frame{true, tile}));
+  history.add("huge", s(2), std::make_shared<Frame>(Frame{true, std::string(1000, 'x')}));
+  const auto frames = history.at(s(3));
+  REQUIRE(frames.size() == 1);
+  CHECK(frames[0]->binary);
+  CHECK(frames[0]->bytes == tile);
+  CHECK(history.extent().bytes < 100);
+  History none(0);
+  none.add("pose", s(1), frame("here"));
+  CHECK(none.at(s(2)).empty());
+}
+
 TEST_CASE("another session begins with an empty past") {
   History history(1 << 20);
   history.add("pose", s(100), frame("old"));
