@@ -49,6 +49,26 @@ struct Robot {
   bool moved = false;
 };
 
+/// A robot and the three modules that know where it is.
+struct Mapping {
+  explicit Mapping(const SystemConfig& config = {})
+      : matcher(stage.host("scan_matcher", make_scan_matcher, config)), estimator(stage.host("graph_optimizer", make_graph_optimizer, config)),
+        detector(stage.host("loop_detector", make_loop_detector, config)) {}
+  void drive(int steps, const Pose2& motion = {0.1, 0, 2 * kPi / 63}) {
+    for (int k = 0; k < steps; ++k) robot.step(motion);
+  }
+  /// Where the last POSE says that the robot is, in the frame of its true place.
+  Pose2 believed() const { return start * to_pose(poses.back().T_map_base); }
+
+  Stage stage;
+  Module &matcher, &estimator, &detector;
+  const std::vector<pose_estimate_t>& poses = stage.record<pose_estimate_t>(channel::kPose);
+  const std::vector<graph_node_t>& nodes = stage.record<graph_node_t>(channel::kNode);
+  const std::vector<graph_update_t>& updates = stage.record<graph_update_t>(channel::kGraph);
+  Robot robot{stage};
+  Pose2 start = robot.T_map_base;
+};
+
 }  // namespace
 
 TEST_CASE("scan_matcher answers every scan once, numbered, with a verdict") {
@@ -69,16 +89,10 @@ TEST_CASE("scan_matcher answers every scan once, numbered, with a verdict") {
 }
 
 TEST_CASE("twelve rounds of the same room make no more nodes, edges or errors than four") {
-  Stage stage;
-  for (const auto& [name, make] : {std::pair{"scan_matcher", make_scan_matcher}, {"graph_optimizer", make_graph_optimizer}, {"loop_detector", make_loop_detector}})
-    stage.host(name, make);
-  const auto& poses = stage.record<pose_estimate_t>(channel::kPose);
-  const auto& nodes = stage.record<graph_node_t>(channel::kNode);
-  const auto& updates = stage.record<graph_update_t>(channel::kGraph);
-  Robot robot(stage);
+  Mapping run;
   const auto edges = [&] {
     std::size_t count = 0;
-    for (const graph_update_t& update : updates)
+    for (const graph_update_t& update : run.updates)
       if (!update.snapshot) count += update.edges.size();
     return count;
   };
@@ -87,91 +101,66 @@ TEST_CASE("twelve rounds of the same room make no more nodes, edges or errors th
   for (int round = 0; round < 12; ++round) {
     worst_m.push_back(0);
     for (int k = 0; k < 63; ++k) {
-      robot.step();
-      worst_m.back() = std::max(worst_m.back(), distance(Pose2(0, -1, 0) * to_pose(poses.back().T_map_base), robot.T_map_base));
+      run.drive(1);
+      worst_m.back() = std::max(worst_m.back(), distance(run.believed(), run.robot.T_map_base));
     }
-    if (round == 3) nodes_at_four = nodes.size(), edges_at_four = edges();
+    if (round == 3) nodes_at_four = run.nodes.size(), edges_at_four = edges();
   }
-  INFO(nodes_at_four << " nodes, " << edges_at_four << " edges after four rounds, " << nodes.size() << ", " << edges() << " after twelve");
+  INFO(nodes_at_four << " nodes, " << edges_at_four << " edges after four rounds, " << run.nodes.size() << ", " << edges() << " after twelve");
   CHECK(nodes_at_four > 15);
-  CHECK(nodes.size() <= nodes_at_four + 2);
+  CHECK(run.nodes.size() <= nodes_at_four + 2);
   CHECK(edges() <= edges_at_four + 6);
-  CHECK(poses.size() == 12 * 63);
+  CHECK(run.poses.size() == 12 * 63);
   CHECK(*std::max_element(worst_m.begin() + 4, worst_m.end()) < std::max(0.03, worst_m[0] + 0.01));
 }
 
 TEST_CASE("a robot that is carried to another corner of the room is lost, says so, and finds back") {
-  Stage stage;
-  stage.host("scan_matcher", make_scan_matcher);
-  const Module& estimator = stage.host("graph_optimizer", make_graph_optimizer);
-  stage.host("loop_detector", make_loop_detector);
-  const auto& poses = stage.record<pose_estimate_t>(channel::kPose);
-  Robot robot(stage);
-  const Pose2 start = robot.T_map_base;
-  for (int k = 0; k < 100; ++k) robot.step();
-  robot.T_map_base = {-2.8, 0.9, -1.2};
-  for (int k = 0; k < 10; ++k) robot.step({0, 0, 0});  // the wheels hung in the air
-  for (int k = 0; k < 4; ++k) robot.step({0.08, 0, -0.01});
-  REQUIRE(estimator.words().find("lost: apart from the map") != std::string::npos);
-  REQUIRE(poses.back().verdict == scan_match_t::AMBIGUOUS);
-  for (int k = 0; k < 250 && poses.back().verdict == scan_match_t::AMBIGUOUS; ++k) robot.step();
-  CHECK(estimator.words().find("lost:") == std::string::npos);
-  CHECK_THAT(start * to_pose(poses.back().T_map_base), IsNear(robot.T_map_base, 0.05, 0.02));
+  Mapping run;
+  run.drive(100);
+  run.robot.T_map_base = {-2.8, 0.9, -1.2};
+  run.drive(10, {0, 0, 0});  // the wheels hung in the air
+  run.drive(4, {0.08, 0, -0.01});
+  REQUIRE(run.estimator.words().find("lost: apart from the map") != std::string::npos);
+  REQUIRE(run.poses.back().verdict == scan_match_t::AMBIGUOUS);
+  for (int k = 0; k < 250 && run.poses.back().verdict == scan_match_t::AMBIGUOUS; ++k) run.drive(1);
+  CHECK(run.estimator.words().find("lost:") == std::string::npos);
+  CHECK_THAT(run.believed(), IsNear(run.robot.T_map_base, 0.05, 0.02));
 }
 
 TEST_CASE("a robot that recognises nothing while it drives on is not carried away: its wheels still tell the way") {
-  Stage stage;
-  stage.host("scan_matcher", make_scan_matcher);
-  const Module& estimator = stage.host("graph_optimizer", make_graph_optimizer);
-  stage.host("loop_detector", make_loop_detector);
-  const auto& poses = stage.record<pose_estimate_t>(channel::kPose);
-  Robot robot(stage);
-  for (int k = 0; k < 100; ++k) robot.step();
-  robot.T_map_base = {-2.8, 0.9, -1.2};
-  for (int k = 0; k < 12; ++k) robot.step({0.08, 0, -0.01});
-  CHECK(estimator.words().find("lost:") == std::string::npos);
-  CHECK(poses.back().verdict != scan_match_t::AMBIGUOUS);
+  Mapping run;
+  run.drive(100);
+  run.robot.T_map_base = {-2.8, 0.9, -1.2};
+  run.drive(12, {0.08, 0, -0.01});
+  CHECK(run.estimator.words().find("lost:") == std::string::npos);
+  CHECK(run.poses.back().verdict != scan_match_t::AMBIGUOUS);
 }
 
 TEST_CASE("asked to polish in the middle of a drive, the estimator moves nodes, and drives on") {
-  Stage stage;
-  stage.host("scan_matcher", make_scan_matcher);
-  Module& estimator = stage.host("graph_optimizer", make_graph_optimizer);
-  stage.host("loop_detector", make_loop_detector);
-  const auto& poses = stage.record<pose_estimate_t>(channel::kPose);
-  const auto& updates = stage.record<graph_update_t>(channel::kGraph);
-  Robot robot(stage);
-  const Pose2 start = robot.T_map_base;
-  for (int k = 0; k < 80; ++k) robot.step();
-  const std::size_t updates_before = updates.size();
-  REQUIRE(estimator.command("polish"));
-  stage.drain(1);
-  REQUIRE(updates.size() > updates_before);
-  REQUIRE_FALSE(updates.back().poses.empty());
-  REQUIRE_FALSE(estimator.command("dance"));
-  for (int k = 0; k < 40; ++k) robot.step();
-  REQUIRE(poses.size() == 120);
-  CHECK_THAT(start * to_pose(poses.back().T_map_base), IsNear(robot.T_map_base, 0.03, 0.02));
+  Mapping run;
+  run.drive(80);
+  const std::size_t updates_before = run.updates.size();
+  REQUIRE(run.estimator.command("polish"));
+  run.stage.drain(1);
+  REQUIRE(run.updates.size() > updates_before);
+  REQUIRE_FALSE(run.updates.back().poses.empty());
+  REQUIRE_FALSE(run.estimator.command("dance"));
+  run.drive(40);
+  REQUIRE(run.poses.size() == 120);
+  CHECK_THAT(run.believed(), IsNear(run.robot.T_map_base, 0.03, 0.02));
 }
 
 TEST_CASE("the chain of matcher, estimator and loop detector knows where it is after two rounds") {
-  Stage stage;
   SystemConfig config;
   config.graph_optimizer.full_at = 0;  // or the second round would need no loops
-  stage.host("scan_matcher", make_scan_matcher);
-  stage.host("graph_optimizer", make_graph_optimizer, config);
-  stage.host("loop_detector", make_loop_detector);
-  const auto& poses = stage.record<pose_estimate_t>(channel::kPose);
-  const auto& nodes = stage.record<graph_node_t>(channel::kNode);
-  const auto& loops = stage.record<loop_closure_t>(channel::kLoop);
-  Robot robot(stage);
-  const Pose2 start = robot.T_map_base;
-  for (int k = 0; k < 150; ++k) robot.step();
-  REQUIRE(poses.size() == 150);
-  REQUIRE(nodes.size() >= 35);
-  for (std::size_t k = 0; k < nodes.size(); ++k) REQUIRE(nodes[k].id == static_cast<std::int64_t>(k));
+  Mapping run(config);
+  const auto& loops = run.stage.record<loop_closure_t>(channel::kLoop);
+  run.drive(150);
+  REQUIRE(run.poses.size() == 150);
+  REQUIRE(run.nodes.size() >= 35);
+  for (std::size_t k = 0; k < run.nodes.size(); ++k) REQUIRE(run.nodes[k].id == static_cast<std::int64_t>(k));
   REQUIRE(std::count_if(loops.begin(), loops.end(), [](const loop_closure_t& m) { return m.verdict == scan_match_t::OK; }) >= 3);
-  REQUIRE_THAT(start * to_pose(poses.back().T_map_base), IsNear(robot.T_map_base, 0.02, 0.01));
+  REQUIRE_THAT(run.believed(), IsNear(run.robot.T_map_base, 0.02, 0.01));
 }
 
 TEST_CASE("the estimator bridges lost matches with the matcher's own track") {
