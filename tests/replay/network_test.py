@@ -71,7 +71,9 @@ class Building:
         self.record(self.desk)
         time.sleep(1.2)  # everybody has heard a STATUS of everybody
         self.start(self.sensors, "simulator")
-        time.sleep(2.5)
+        heard = self.conduct(self.mapping, "up", "simulator", seconds=15)  # listeners count what is lost from a sender's first STATUS on
+        equal(heard.returncode, 0, f"{heard.stderr}: the simulator")
+        time.sleep(1.5)
         for host in (self.sensors, self.mapping):
             host.wire.loss = loss / 100
             if disorder:
