@@ -69,8 +69,8 @@ class SemanticClassifierModule : public Module {
   }
   std::string words() const override {
     return std::to_string(layers_.walls.size()) + " walls, " + std::to_string(layers_.rooms.size()) + " rooms, " +
-           std::to_string(layers_.doors.size()) + " doors, " + std::to_string(layers_.objects.size()) + " objects" +
-           (trouble_.empty() ? "" : "; " + trouble_);
+           std::to_string(layers_.doors.size()) + " doors, " + std::to_string(layers_.objects.size()) + " objects, of " +
+           std::to_string(mirror_.nodes().size()) + " nodes" + (trouble_.empty() ? "" : "; " + trouble_);
   }
 
  private:
