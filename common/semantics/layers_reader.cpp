@@ -36,11 +36,19 @@ Ring ring_of(const Json& geometry) {
 
 std::string short_name(const Json& properties, const char* key) { return properties.value(key, "").substr(0, 200); }
 
+WallEnd end_of(const Json& properties, std::size_t k) {
+  const Json ends = properties.value("ends", Json::array());
+  if (ends.size() != 2) return {};
+  return {ends[k].value("across_m", 0.0), ends[k].value("along_m", 0.0), ends[k].value("seen", false)};
+}
+
 Wall wall_of(const Json& properties, const Json& geometry) {
   Wall wall;
   wall.id = properties.value("id", std::int64_t{0});
   wall.evidence = properties.value("evidence", 0.0);
   wall.sigma_m = properties.value("sigma_m", 0.0);
+  wall.at_a = end_of(properties, 0);
+  wall.at_b = end_of(properties, 1);
   read_line(geometry, wall.a, wall.b);
   return wall;
 }

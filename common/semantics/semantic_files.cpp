@@ -30,6 +30,8 @@ Json feature(const Json& properties, const Json& geometry) {
   return {{"type", "Feature"}, {"properties", properties}, {"geometry", geometry}};
 }
 
+Json wall_end(const WallEnd& end) { return {{"across_m", rounded(end.across_m)}, {"along_m", rounded(end.along_m)}, {"seen", end.seen}}; }
+
 std::string corners(const Ring& outline) {
   std::ostringstream out;
   for (const Eigen::Vector2d& p : outline) out << rounded(p.x()) << ',' << rounded(p.y()) << ' ';
@@ -52,7 +54,8 @@ std::string semantic_geojson(const SemanticLayers& layers) {
                                 {"id", w.id},
                                 {"length_m", rounded(w.length_m())},
                                 {"evidence", rounded(w.evidence)},
-                                {"sigma_m", rounded(w.sigma_m)}},
+                                {"sigma_m", rounded(w.sigma_m)},
+                                {"ends", {wall_end(w.at_a), wall_end(w.at_b)}}},
                                line(w.a, w.b)));
   for (const Room& r : layers.rooms)
     features.push_back(feature({{"kind", "room"},

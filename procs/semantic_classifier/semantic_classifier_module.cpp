@@ -114,9 +114,12 @@ class SemanticClassifierModule : public Module {
            list.nwalls = static_cast<std::int32_t>(part.size());
          }))
       bus_.publish(channel::kWalls, m);
-    for (const auto& m : to_chunks<room_list_t>(rooms, utime, version_, [](room_list_t& list, const std::vector<room_t>& part) {
+    for (const auto& m : to_chunks<room_list_t>(rooms, utime, version_, [this](room_list_t& list, const std::vector<room_t>& part) {
            list.rooms = part;
            list.nrooms = static_cast<std::int32_t>(part.size());
+           if (list.chunk > 0) return;
+           for (const RoomEvent& event : layers_.room_events) list.events.push_back(to_message(event));
+           list.nevents = static_cast<std::int32_t>(list.events.size());
          }))
       bus_.publish(channel::kRooms, m);
     for (const auto& m : to_chunks<door_list_t>(doors, utime, version_, [](door_list_t& list, const std::vector<door_t>& part) {

@@ -28,12 +28,12 @@ struct House {
     classifier = &stage.host("semantic_classifier", make_semantic_classifier, config);
     robot.publish(channel::kSensorInfo, to_message(sensor, utime));
   }
-  void drive() {
+  void drive(const Plan& plan = two_rooms()) {
     for (const Pose2& T_world_base : drive_through_two_rooms()) {
       utime += 500'000;
       robot.publish(channel::kGroundTruth, to_message(TimedPose{utime, T_world_base, 0}));
       robot.publish(channel::kOdometry, to_message(TimedPose{utime, T_world_base, 0}));
-      robot.publish(channel::kLaser, to_message(see(two_rooms(), sensor, T_world_base, &random, utime)));
+      robot.publish(channel::kLaser, to_message(see(plan, sensor, T_world_base, &random, utime)));
       stage.drain(1);
     }
   }
@@ -78,6 +78,27 @@ TEST_CASE("semantic_classifier tells two rooms and their door, at its pace, with
   REQUIRE(house.objects.back().nobjects == 0);
   REQUIRE(house.walls.back().utime == house.rooms.back().utime);
   REQUIRE_THAT(house.classifier->words(), Catch::Matchers::Contains("2 rooms, 1 doors"));
+}
+
+TEST_CASE("semantic_classifier tells, in the one version where it happened, that two rooms became one") {
+  House house;
+  house.drive();
+  for (const room_list_t& list : house.rooms) REQUIRE(list.nevents == 0);
+  Plan hall;
+  add_box(hall, -4, -3, 4, 3);
+  for (int lap = 0; lap < 6; ++lap) house.drive(hall);
+  house.classifier->finish();
+  house.stage.drain();
+  REQUIRE(house.rooms.back().nrooms == 1);
+  int merges = 0;
+  for (std::size_t k = 1; k < house.rooms.size(); ++k)
+    for (const room_event_t& event : house.rooms[k].events) {
+      REQUIRE(event.kind == room_event_t::MERGE);
+      REQUIRE(event.before == std::vector<std::int64_t>{house.rooms[k - 1].rooms[0].id, house.rooms[k - 1].rooms[1].id});
+      REQUIRE(event.after == std::vector<std::int64_t>{house.rooms[k].rooms[0].id});
+      ++merges;
+    }
+  REQUIRE(merges == 1);
 }
 
 TEST_CASE("semantic_classifier answers SYNC_REQUEST with what it told last, and not its own") {
