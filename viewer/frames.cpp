@@ -110,6 +110,7 @@ json objects_json(const std::vector<object_list_t>& chunks) {
     for (const object_t& o : chunk.objects)
       items.push_back({{"id", o.id},
                        {"class", o.class_name},
+                       {"class_confidence", number(o.class_confidence, "object")},
                        {"area_m2", number(o.area_m2, "object")},
                        {"evidence", number(o.evidence, "object")},
                        {"first_utime", o.first_utime},

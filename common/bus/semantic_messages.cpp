@@ -79,6 +79,7 @@ Object from_message(const object_t& message) {
   Object object;
   object.id = message.id;
   object.class_name = message.class_name;
+  object.class_confidence = message.class_confidence;
   object.area_m2 = message.area_m2;
   object.evidence = message.evidence;
   object.outline = outline_of(message);
@@ -137,6 +138,7 @@ object_t to_message(const Object& object, std::int64_t utime) {
   object_t message{};
   message.id = object.id;
   message.class_name = object.class_name;
+  message.class_confidence = object.class_confidence;
   message.area_m2 = object.area_m2;
   message.evidence = object.evidence;
   message.first_utime = message.last_utime = utime;

@@ -82,6 +82,7 @@ Object object_of(const Json& properties, const Json& geometry) {
   Object object;
   object.id = properties.value("id", std::int64_t{0});
   object.class_name = short_name(properties, "class");
+  object.class_confidence = properties.value("class_confidence", 0.0);
   object.area_m2 = properties.value("area_m2", 0.0);
   object.outline = ring_of(geometry);
   return object;

@@ -75,7 +75,8 @@ std::string semantic_geojson(const SemanticLayers& layers) {
                                line(d.a, d.b)));
   for (const Object& o : layers.objects)
     features.push_back(
-        feature({{"kind", "object"}, {"id", o.id}, {"class", o.class_name}, {"area_m2", rounded(o.area_m2)}}, polygon(o.outline)));
+        feature({{"kind", "object"}, {"id", o.id}, {"class", o.class_name}, {"class_confidence", rounded(o.class_confidence)}, {"area_m2", rounded(o.area_m2)}},
+                polygon(o.outline)));
   for (const Place& p : layers.places)
     features.push_back(feature({{"kind", "place"}, {"id", p.node}, {"class", place_name(p.kind)}, {"confidence", rounded(p.confidence)}},
                                {{"type", "Point"}, {"coordinates", point(p.p)}}));

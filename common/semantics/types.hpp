@@ -62,6 +62,7 @@ struct RoomEvent {
 struct Object {
   std::int64_t id = 0;
   std::string class_name;    ///< "": unknown
+  double class_confidence = 0;  ///< 0..1; 0 when unknown
   double area_m2 = 0, evidence = 0;
   std::vector<Eigen::Vector2d> outline;
 };

@@ -169,8 +169,8 @@ Lines words(const wall_list_t& m) {
 Lines words(const object_list_t& m) {
   Lines all = list_head(m);
   for (const object_t& o : m.objects)
-    all.push_back(line("object %-5lld %s, %.2f m2", static_cast<long long>(o.id),
-                       o.class_name.c_str(), o.area_m2));
+    all.push_back(line("object %-5lld %s, %.0f %% sure, %.2f m2", static_cast<long long>(o.id),
+                       o.class_name.c_str(), 100 * o.class_confidence, o.area_m2));
   return all;
 }
 

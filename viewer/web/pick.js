@@ -93,7 +93,7 @@ export function describe(state, {kind, id}, item) {
       ['between', item.rooms.map(room).join(' and ')], ['evidence', item.evidence.toFixed(2)], ['id', id]]];
     case 'walls': return [`Wall ${id}`, [['length', metres(item.length_m)], ['evidence', item.evidence.toFixed(2)],
       ['spread', `${(item.sigma_m * 1000).toFixed(0)} mm`], ['from', end(item.a, item.ends?.[0])], ['to', end(item.b, item.ends?.[1])], ['id', id]]];
-    default: return [item.class || `Object ${id}`, [['class', item.class || 'not known'], ['area', `${item.area_m2.toFixed(2)} m²`],
+    default: return [item.class || `Object ${id}`, [['class', item.class ? `${item.class}, ${percent(item.class_confidence ?? 0)}` : 'not known'], ['area', `${item.area_m2.toFixed(2)} m²`],
       ['seen for', `${((item.last_utime - item.first_utime) / 1e6).toFixed(1)} s`], ['evidence', item.evidence.toFixed(2)], ['id', id]]];
   }
 }

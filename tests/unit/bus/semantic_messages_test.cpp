@@ -125,9 +125,11 @@ TEST_CASE("a door, a room and an object keep what they are on the wire") {
   REQUIRE(heard.x[3] == room.outline[3].x());
   Object object;
   object.class_name = "car";
+  object.class_confidence = 0.9;
   object.outline = star(5);
   const object_t seen = over_the_wire(to_message(object, 77));
   REQUIRE(seen.class_name == "car");
+  REQUIRE(from_message(seen).class_confidence == 0.9);
   REQUIRE(seen.last_utime == 77);
   REQUIRE(seen.npoints == 5);
 }

@@ -6,7 +6,7 @@
 #include "common/semantics/layers_reader.hpp"
 #include "common/semantics/semantic_files.hpp"
 #include "common/semantics/semantic_mapper.hpp"
-#include "tests/support/synthetic_scan.hpp"
+#include "tests/support/two_rooms.hpp"
 
 using namespace modslam;
 
@@ -128,4 +128,33 @@ TEST_CASE("a wall seen at many points is known better across than one seen at fe
   REQUIRE(across_m(400, 2) == Approx(0.5 * across_m(100, 2)).epsilon(0.02));
   // Twice 100 points of 0.2 / sqrt(2) across; at the end of a line its direction counts thrice: 0.141 * sqrt(4 / 200).
   REQUIRE(across_m(100, 2) == Approx(0.02).epsilon(0.1));
+}
+
+TEST_CASE("walls end where they are told to: of two rooms, most ends lie within twice what is said, nearly all within three times") {
+  const SensorInfo sensor = test::short_laser();
+  const test::Plan plan = test::two_rooms();
+  int ends = 0, within_two = 0, within_three = 0;
+  for (const double turned_rad : {0.0, 0.1, 0.37, 0.7, 1.2}) {
+    RandomStream random(713, RandomStreamId::kLaser);
+    const Pose2 T_map_world(0.31, -0.17, turned_rad);
+    SemanticMapper mapper{SemanticsConfig()};
+    for (const Pose2& place : test::drive_through_two_rooms()) mapper.add_node(test::see(plan, sensor, place, &random), sensor, T_map_world * place);
+    for (const Wall& wall : mapper.update(true).walls)
+      for (const auto& [p, known] : {std::pair(wall.a, wall.at_a), std::pair(wall.b, wall.at_b)}) {
+        if (!known.seen) continue;
+        double off_m = 1e9;  // to the nearest true end on this line, along it
+        for (const test::Wall& face : plan)
+          for (const Eigen::Vector2d& q : {face.a, face.b}) {
+            const Eigen::Vector2d d = T_map_world * q - p;
+            if (std::abs(d.dot(wall.normal())) < 0.06) off_m = std::min(off_m, std::abs(d.dot(wall.direction())));
+          }
+        ++ends;
+        within_two += off_m < 2 * known.along_m;
+        within_three += off_m < 3 * known.along_m;
+      }
+  }
+  CAPTURE(ends, within_two, within_three);
+  REQUIRE(ends > 60);
+  REQUIRE(within_two > 0.8 * ends);
+  REQUIRE(within_three > 0.9 * ends);
 }
