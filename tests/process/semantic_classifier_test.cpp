@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The semantic classifier on the in-process bus: a drive goes in, lists of walls, rooms, doors and objects come out.
+#include <algorithm>
 #include <modslam/answer_t.hpp>
 #include <modslam/graph_node_t.hpp>
 #include <modslam/query_t.hpp>
@@ -99,6 +100,24 @@ TEST_CASE("semantic_classifier tells, in the one version where it happened, that
       ++merges;
     }
   REQUIRE(merges == 1);
+}
+
+TEST_CASE("semantic_classifier tells since when it has seen an object, and how sure it is of its class") {
+  House house;
+  Plan plan = two_rooms();
+  add_box(plan, -2.3, -0.35, -1.7, 0.2);
+  for (int lap = 0; lap < 2; ++lap) house.drive(plan);
+  house.classifier->finish();
+  house.stage.drain();
+  REQUIRE(house.objects.back().nobjects == 1);
+  const object_t object = house.objects.back().objects[0];
+  REQUIRE(object.last_utime == house.objects.back().utime);
+  REQUIRE((object.class_confidence > 0) != object.class_name.empty());
+  const auto first = std::find_if(house.objects.begin(), house.objects.end(), [&](const object_list_t& list) {
+    return std::any_of(list.objects.begin(), list.objects.end(), [&](const object_t& o) { return o.id == object.id; });
+  });
+  REQUIRE(object.first_utime == first->utime);
+  REQUIRE(object.first_utime < object.last_utime);
 }
 
 TEST_CASE("semantic_classifier answers SYNC_REQUEST with what it told last, and not its own") {
