@@ -40,6 +40,11 @@ json outline(const std::vector<double>& x, const std::vector<double>& y, const c
   return flat;
 }
 
+/// @param k  0: at a, 1: at b
+json wall_end(const wall_t& w, int k) {
+  return {{"across_m", number(w.sigma_across_m[k], "wall")}, {"along_m", number(w.sigma_along_m[k], "wall")}, {"seen", w.end_seen[k] != 0}};
+}
+
 json counts_json(const std::vector<channel_count_t>& counts) {
   json list = json::array();
   for (const channel_count_t& c : counts)
@@ -64,7 +69,8 @@ json walls_json(const std::vector<wall_list_t>& chunks) {
                        {"b", point(w.b, "wall")},
                        {"length_m", number(std::hypot(w.b[0] - w.a[0], w.b[1] - w.a[1]), "wall")},
                        {"evidence", number(w.evidence, "wall")},
-                       {"sigma_m", number(w.sigma_m, "wall")}});
+                       {"sigma_m", number(w.sigma_m, "wall")},
+                       {"ends", {wall_end(w, 0), wall_end(w, 1)}}});
   return {{"stream", "walls"}, {"items", std::move(items)}};
 }
 
@@ -104,6 +110,7 @@ json objects_json(const std::vector<object_list_t>& chunks) {
     for (const object_t& o : chunk.objects)
       items.push_back({{"id", o.id},
                        {"class", o.class_name},
+                       {"class_confidence", number(o.class_confidence, "object")},
                        {"area_m2", number(o.area_m2, "object")},
                        {"evidence", number(o.evidence, "object")},
                        {"first_utime", o.first_utime},

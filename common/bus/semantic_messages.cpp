@@ -46,6 +46,8 @@ Wall from_message(const wall_t& message) {
   wall.b = {message.b[0], message.b[1]};
   wall.evidence = message.evidence;
   wall.sigma_m = message.sigma_m;
+  wall.at_a = {message.sigma_across_m[0], message.sigma_along_m[0], message.end_seen[0] != 0};
+  wall.at_b = {message.sigma_across_m[1], message.sigma_along_m[1], message.end_seen[1] != 0};
   return wall;
 }
 
@@ -77,6 +79,7 @@ Object from_message(const object_t& message) {
   Object object;
   object.id = message.id;
   object.class_name = message.class_name;
+  object.class_confidence = message.class_confidence;
   object.area_m2 = message.area_m2;
   object.evidence = message.evidence;
   object.outline = outline_of(message);
@@ -89,6 +92,11 @@ wall_t to_message(const Wall& wall) {
   put_ends(message, wall.a, wall.b);
   message.evidence = wall.evidence;
   message.sigma_m = wall.sigma_m;
+  for (const auto& [k, end] : {std::pair(0, wall.at_a), std::pair(1, wall.at_b)}) {
+    message.sigma_across_m[k] = end.across_m;
+    message.sigma_along_m[k] = end.along_m;
+    message.end_seen[k] = end.seen;
+  }
   return message;
 }
 
@@ -116,10 +124,21 @@ room_t to_message(const Room& room) {
   return message;
 }
 
+room_event_t to_message(const RoomEvent& event) {
+  room_event_t message{};
+  message.kind = event.kind == RoomEvent::Kind::kMerge ? room_event_t::MERGE : room_event_t::SPLIT;
+  message.before = event.before;
+  message.nbefore = static_cast<std::int32_t>(event.before.size());
+  message.after = event.after;
+  message.nafter = static_cast<std::int32_t>(event.after.size());
+  return message;
+}
+
 object_t to_message(const Object& object, std::int64_t utime) {
   object_t message{};
   message.id = object.id;
   message.class_name = object.class_name;
+  message.class_confidence = object.class_confidence;
   message.area_m2 = object.area_m2;
   message.evidence = object.evidence;
   message.first_utime = message.last_utime = utime;

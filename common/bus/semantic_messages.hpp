@@ -19,6 +19,7 @@ Object from_message(const object_t& message);
 wall_t to_message(const Wall& wall);
 door_t to_message(const Door& door);
 room_t to_message(const Room& room);
+room_event_t to_message(const RoomEvent& event);
 object_t to_message(const Object& object, std::int64_t utime);
 
 /// Node ids count on from chunk to chunk. An empty list is one empty chunk.

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "common/semantics/plan_index.hpp"
+#include "common/semantics/room_events.hpp"
 #include "common/semantics/room_finder.hpp"
 
 namespace modslam {
@@ -141,6 +142,7 @@ void Identities::carry_over(const SemanticLayers& before, SemanticLayers& now) {
   keep_ids(now.walls, before.walls, next_wall_, likeness);
   keep_ids(now.doors, before.doors, next_door_, likeness);
   keep_ids(now.rooms, before.rooms, next_room_, likeness);
+  now.room_events = room_events(before.rooms, now.rooms);
   keep_ids(now.objects, before.objects, next_object_, likeness);
   for (Room& room : now.rooms) room.name = (room.corridor ? "Corridor " : "Room ") + std::to_string(room.id);
   join_rooms(now.doors, now.rooms);

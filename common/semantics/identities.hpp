@@ -7,7 +7,7 @@ namespace modslam {
 
 class Identities {
  public:
-  /// Fills in the ids of `now`, after those of `before`; what is like nothing before gets a new one.
+  /// Fills in the ids of `now`, after those of `before`; what is like nothing before gets a new one. Fills in the events of the rooms.
   void carry_over(const SemanticLayers& before, SemanticLayers& now);
 
  private:

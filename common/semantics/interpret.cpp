@@ -235,6 +235,7 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
 
   WallSet::News news;
   const Boxes walls = take_walls(layers.walls, space, news);
+  wall_ends_.update(layers.walls, known_walls_, news.come, space, changed);
   openings_.update(floor_, space, known_walls_, floor, walls);
   Boxes parted = parter_.update(floor_, space, known_walls_, openings_.openings(config_.opening_probability), floor.open, walls);
   DoorMapOptions doors;

@@ -8,6 +8,7 @@
 #include "common/semantics/object_finder.hpp"
 #include "common/semantics/room_finder.hpp"
 #include "common/semantics/semantics_config.hpp"
+#include "common/semantics/wall_ends.hpp"
 #include "common/semantics/wall_map.hpp"
 
 namespace modslam {
@@ -45,6 +46,7 @@ class Interpreter {
   RoomMap rooms_;
   FurnitureMap furniture_;
   WallSet known_walls_;             ///< without furniture, before those in rooms are dropped
+  WallEnds wall_ends_;              ///< of these
   struct Ring {
     std::vector<Eigen::Vector2d> outline;
     cv::Rect box;                   ///< of cells around it

@@ -36,11 +36,19 @@ Ring ring_of(const Json& geometry) {
 
 std::string short_name(const Json& properties, const char* key) { return properties.value(key, "").substr(0, 200); }
 
+WallEnd end_of(const Json& properties, std::size_t k) {
+  const Json ends = properties.value("ends", Json::array());
+  if (ends.size() != 2) return {};
+  return {ends[k].value("across_m", 0.0), ends[k].value("along_m", 0.0), ends[k].value("seen", false)};
+}
+
 Wall wall_of(const Json& properties, const Json& geometry) {
   Wall wall;
   wall.id = properties.value("id", std::int64_t{0});
   wall.evidence = properties.value("evidence", 0.0);
   wall.sigma_m = properties.value("sigma_m", 0.0);
+  wall.at_a = end_of(properties, 0);
+  wall.at_b = end_of(properties, 1);
   read_line(geometry, wall.a, wall.b);
   return wall;
 }
@@ -74,6 +82,7 @@ Object object_of(const Json& properties, const Json& geometry) {
   Object object;
   object.id = properties.value("id", std::int64_t{0});
   object.class_name = short_name(properties, "class");
+  object.class_confidence = properties.value("class_confidence", 0.0);
   object.area_m2 = properties.value("area_m2", 0.0);
   object.outline = ring_of(geometry);
   return object;

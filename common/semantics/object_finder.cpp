@@ -4,19 +4,13 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "common/semantics/object_class.hpp"
+
 namespace modslam {
 namespace {
 
 constexpr double kMinArea_m2 = 0.03;
 constexpr double kWallThickness_m = 0.5, kWallExtent_m = 1.2;  // thin and long: a piece of wall between two doors
-
-/// A guess from the footprint's size and shape; "" when several would do.
-std::string guess_class(double area_m2, const cv::RotatedRect& box, double resolution_m) {
-  const double a = std::max(box.size.width, box.size.height) * resolution_m, b = std::min(box.size.width, box.size.height) * resolution_m;
-  if (a > 3.5 && a < 5.6 && b > 1.4 && b < 2.6) return "car";
-  if (area_m2 < 0.4 && a < 0.8 && b > 0.6 * a) return "pillar";
-  return "";
-}
 
 /// An island as an object; none when it is a speck, a piece of wall, or a shadow that no beam touched.
 bool make_object(const Island& island, const KnownSpace& space, const Floor& floor, Object& object) {
@@ -31,7 +25,10 @@ bool make_object(const Island& island, const KnownSpace& space, const Floor& flo
   part.origin_m += cell_m * Eigen::Vector2d(island.box.x, island.box.y);
   object.outline = outline_of(island.mask, part, 1e9, 0.1);
   object.area_m2 = area_m2;
-  object.class_name = guess_class(area_m2, cv::minAreaRect(rim_cells(island.mask)), cell_m);
+  const cv::Size2f sides = cv::minAreaRect(rim_cells(island.mask)).size;
+  const ObjectClass guess = classify_footprint((sides.width + 1) * cell_m, (sides.height + 1) * cell_m);  // the rectangle runs through cells' centres
+  object.class_name = guess.name;
+  object.class_confidence = guess.confidence;
   object.evidence = static_cast<double>(hits) / island.cells;
   return object.outline.size() >= 3;
 }

@@ -30,6 +30,8 @@ Json feature(const Json& properties, const Json& geometry) {
   return {{"type", "Feature"}, {"properties", properties}, {"geometry", geometry}};
 }
 
+Json wall_end(const WallEnd& end) { return {{"across_m", rounded(end.across_m)}, {"along_m", rounded(end.along_m)}, {"seen", end.seen}}; }
+
 std::string corners(const Ring& outline) {
   std::ostringstream out;
   for (const Eigen::Vector2d& p : outline) out << rounded(p.x()) << ',' << rounded(p.y()) << ' ';
@@ -52,7 +54,8 @@ std::string semantic_geojson(const SemanticLayers& layers) {
                                 {"id", w.id},
                                 {"length_m", rounded(w.length_m())},
                                 {"evidence", rounded(w.evidence)},
-                                {"sigma_m", rounded(w.sigma_m)}},
+                                {"sigma_m", rounded(w.sigma_m)},
+                                {"ends", {wall_end(w.at_a), wall_end(w.at_b)}}},
                                line(w.a, w.b)));
   for (const Room& r : layers.rooms)
     features.push_back(feature({{"kind", "room"},
@@ -72,7 +75,8 @@ std::string semantic_geojson(const SemanticLayers& layers) {
                                line(d.a, d.b)));
   for (const Object& o : layers.objects)
     features.push_back(
-        feature({{"kind", "object"}, {"id", o.id}, {"class", o.class_name}, {"area_m2", rounded(o.area_m2)}}, polygon(o.outline)));
+        feature({{"kind", "object"}, {"id", o.id}, {"class", o.class_name}, {"class_confidence", rounded(o.class_confidence)}, {"area_m2", rounded(o.area_m2)}},
+                polygon(o.outline)));
   for (const Place& p : layers.places)
     features.push_back(feature({{"kind", "place"}, {"id", p.node}, {"class", place_name(p.kind)}, {"confidence", rounded(p.confidence)}},
                                {{"type", "Point"}, {"coordinates", point(p.p)}}));

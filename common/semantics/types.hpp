@@ -10,12 +10,20 @@
 
 namespace modslam {
 
+/// How well it is known where a wall ends: standard deviations.
+struct WallEnd {
+  double across_m = 0;       ///< of the place of its line there
+  double along_m = 0;        ///< of the place where it ends
+  bool seen = false;         ///< whether what comes after it was seen; if not, the wall may go on
+};
+
 /// One face of a straight wall, as a laser sees it; the other face of the same wall is another one.
 struct Wall {
   std::int64_t id = 0;
   Eigen::Vector2d a, b;      ///< ends; the free side lies to the left of a -> b
   double evidence = 0;       ///< mean log-odds of wall against object along it
   double sigma_m = 0;        ///< scatter of its points across it
+  WallEnd at_a, at_b;
   bool on_object = false;    ///< something that stands free lies right behind most of it
   double length_m() const { return (b - a).norm(); }
   Eigen::Vector2d direction() const { return (b - a).normalized(); }
@@ -44,9 +52,17 @@ struct Room {
   std::vector<Eigen::Vector2d> outline;
 };
 
+/// Rooms that became others from one update to the next.
+struct RoomEvent {
+  enum class Kind { kSplit, kMerge };
+  Kind kind = Kind::kSplit;
+  std::vector<std::int64_t> before, after;  ///< ids, rising; one before a split, one after a merge
+};
+
 struct Object {
   std::int64_t id = 0;
   std::string class_name;    ///< "": unknown
+  double class_confidence = 0;  ///< 0..1; 0 when unknown
   double area_m2 = 0, evidence = 0;
   std::vector<Eigen::Vector2d> outline;
 };
@@ -55,6 +71,7 @@ struct SemanticLayers {
   std::vector<Wall> walls;
   std::vector<Door> doors;
   std::vector<Room> rooms;
+  std::vector<RoomEvent> room_events;  ///< what became of the rooms of the update before
   std::vector<Object> objects;
   std::vector<Place> places;  ///< of the pose graph's nodes; none on a finished map
 };

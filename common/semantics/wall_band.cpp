@@ -41,6 +41,7 @@ void Band::refit() {
   direction_ = told || towards_.norm() == 0 ? Eigen::Vector2d(std::cos(angle), std::sin(angle)) : Eigen::Vector2d(towards_.normalized());
   if (direction_.dot(towards_) < 0) direction_ = -direction_;
   sigma_m_ = std::sqrt(std::max(0.0, half - spread) / n_);
+  along_m2_ = (half + spread) / n_;
   low_ = 1e300;
   high_ = -1e300;
   for (const Stretch& stretch : stretches_)
@@ -49,6 +50,11 @@ void Band::refit() {
       high_ = std::max(high_, along(stretch.first + k * stretch.step));
     }
   if (stretches_.empty()) low_ = high_ = 0;
+}
+
+/// Of the least-squares line, at a place along it.
+double Band::sigma_across_m(double along_m) const {
+  return sigma_m_ * std::sqrt((1 + (along_m2_ > 0 ? along_m * along_m / along_m2_ : 0.0)) / n_);
 }
 
 bool Band::takes(const Band& other, const WallMapOptions& options) const {
@@ -87,6 +93,8 @@ WallBand Band::walls(const WallMapOptions& options, const std::function<bool(con
     wall.a = to_grid(mean_ + start * direction_);
     wall.b = to_grid(mean_ + end * direction_);
     wall.sigma_m = sigma_m_;
+    wall.at_a.across_m = sigma_across_m(start);
+    wall.at_b.across_m = sigma_across_m(end);
     band.walls.push_back(wall);
   };
   for (std::size_t k = 0; k < sightings.size(); ++k) {

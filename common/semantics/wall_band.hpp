@@ -43,9 +43,10 @@ class Band {
   };
   double along(const Eigen::Vector2d& p) const { return direction_.dot(p - mean_); }
   double across(const Eigen::Vector2d& p) const { return direction_.x() * (p.y() - mean_.y()) - direction_.y() * (p.x() - mean_.x()); }
+  double sigma_across_m(double along_m) const;
   void refit();
 
-  double n_, low_ = 0, high_ = 0, sigma_m_ = 0;
+  double n_, low_ = 0, high_ = 0, sigma_m_ = 0, along_m2_ = 0;
   Eigen::Vector2d mean_, towards_, direction_;
   Eigen::Matrix2d scatter_;
   std::vector<Stretch> stretches_;

@@ -2,6 +2,7 @@
 /// procs/semantic_classifier — NODE + GRAPH (+ POSE, SYNC_REQUEST) → SEMANTIC_WALLS, _ROOMS, _DOORS, _OBJECTS, _PLACES; QUERY → ANSWER.
 /// Config: [semantics], [places].
 #include <iostream>
+#include <map>
 #include <opencv2/core/utility.hpp>
 #include <modslam/sync_request_t.hpp>
 
@@ -50,6 +51,7 @@ class SemanticClassifierModule : public Module {
       places_.clear();
       layers_ = {};
       topology_.reset();
+      first_seen_.clear();
       last_ = 0;
     };
     bus.subscribe<sync_request_t>(channel::kSyncRequest, [this](const sync_request_t& m) {
@@ -108,15 +110,21 @@ class SemanticClassifierModule : public Module {
     std::vector<door_t> doors;
     for (const Door& door : layers_.doors) doors.push_back(to_message(door));
     std::vector<object_t> objects;
-    for (const Object& object : layers_.objects) objects.push_back(to_message(object, utime));
+    for (const Object& object : layers_.objects) {
+      objects.push_back(to_message(object, utime));
+      objects.back().first_utime = first_seen_.emplace(object.id, utime).first->second;
+    }
     for (const auto& m : to_chunks<wall_list_t>(walls, utime, version_, [](wall_list_t& list, const std::vector<wall_t>& part) {
            list.walls = part;
            list.nwalls = static_cast<std::int32_t>(part.size());
          }))
       bus_.publish(channel::kWalls, m);
-    for (const auto& m : to_chunks<room_list_t>(rooms, utime, version_, [](room_list_t& list, const std::vector<room_t>& part) {
+    for (const auto& m : to_chunks<room_list_t>(rooms, utime, version_, [this](room_list_t& list, const std::vector<room_t>& part) {
            list.rooms = part;
            list.nrooms = static_cast<std::int32_t>(part.size());
+           if (list.chunk > 0) return;
+           for (const RoomEvent& event : layers_.room_events) list.events.push_back(to_message(event));
+           list.nevents = static_cast<std::int32_t>(list.events.size());
          }))
       bus_.publish(channel::kRooms, m);
     for (const auto& m : to_chunks<door_list_t>(doors, utime, version_, [](door_list_t& list, const std::vector<door_t>& part) {
@@ -140,6 +148,7 @@ class SemanticClassifierModule : public Module {
   GraphMirror mirror_;
   SemanticLayers layers_;
   std::optional<Topology> topology_;
+  std::map<std::int64_t, std::int64_t> first_seen_;  ///< utime of the version that an object came with, by its id
   bool dirty_ = false;
   std::int64_t last_ = 0, version_ = 0;
 };

@@ -134,11 +134,18 @@ Lines list_head(const List& m) {
   return {time_line(m.utime), line("%-12s %lld, chunk %d of %d", "version",
                                    static_cast<long long>(m.version), m.chunk, m.nchunks)};
 }
+std::string numbers(const std::vector<std::int64_t>& ids) {
+  std::string all;
+  for (const std::int64_t id : ids) all += " " + std::to_string(id);
+  return all;
+}
 Lines words(const room_list_t& m) {
   Lines all = list_head(m);
   for (const room_t& r : m.rooms)
     all.push_back(line("room %-7lld %s, %.1f m2, explored %.0f %%", static_cast<long long>(r.id),
                        r.name.c_str(), r.area_m2, 100 * r.explored));
+  for (const room_event_t& e : m.events)
+    all.push_back(line("rooms%s %s%s", numbers(e.before).c_str(), e.kind == room_event_t::MERGE ? "merged into" : "split into", numbers(e.after).c_str()));
   return all;
 }
 Lines words(const door_list_t& m) {
@@ -149,18 +156,21 @@ Lines words(const door_list_t& m) {
                        static_cast<long long>(d.room_b), d.width_m, d.state));
   return all;
 }
+std::string end_words(const wall_t& w, int k) {
+  return w.end_seen[k] ? line("%.2f m", w.sigma_along_m[k]) : "what was not seen";
+}
 Lines words(const wall_list_t& m) {
   Lines all = list_head(m);
   for (const wall_t& w : m.walls)
-    all.push_back(line("wall %-7lld %.2f, %.2f to %.2f, %.2f m", static_cast<long long>(w.id),
-                       w.a[0], w.a[1], w.b[0], w.b[1]));
+    all.push_back(line("wall %-7lld %.2f, %.2f to %.2f, %.2f m, ends to %s and %s", static_cast<long long>(w.id),
+                       w.a[0], w.a[1], w.b[0], w.b[1], end_words(w, 0).c_str(), end_words(w, 1).c_str()));
   return all;
 }
 Lines words(const object_list_t& m) {
   Lines all = list_head(m);
   for (const object_t& o : m.objects)
-    all.push_back(line("object %-5lld %s, %.2f m2", static_cast<long long>(o.id),
-                       o.class_name.c_str(), o.area_m2));
+    all.push_back(line("object %-5lld %s, %.0f %% sure, %.2f m2", static_cast<long long>(o.id),
+                       o.class_name.c_str(), 100 * o.class_confidence, o.area_m2));
   return all;
 }
 

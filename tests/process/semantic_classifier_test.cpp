@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The semantic classifier on the in-process bus: a drive goes in, lists of walls, rooms, doors and objects come out.
+#include <algorithm>
 #include <modslam/answer_t.hpp>
 #include <modslam/graph_node_t.hpp>
 #include <modslam/query_t.hpp>
@@ -28,12 +29,12 @@ struct House {
     classifier = &stage.host("semantic_classifier", make_semantic_classifier, config);
     robot.publish(channel::kSensorInfo, to_message(sensor, utime));
   }
-  void drive() {
+  void drive(const Plan& plan = two_rooms()) {
     for (const Pose2& T_world_base : drive_through_two_rooms()) {
       utime += 500'000;
       robot.publish(channel::kGroundTruth, to_message(TimedPose{utime, T_world_base, 0}));
       robot.publish(channel::kOdometry, to_message(TimedPose{utime, T_world_base, 0}));
-      robot.publish(channel::kLaser, to_message(see(two_rooms(), sensor, T_world_base, &random, utime)));
+      robot.publish(channel::kLaser, to_message(see(plan, sensor, T_world_base, &random, utime)));
       stage.drain(1);
     }
   }
@@ -78,6 +79,45 @@ TEST_CASE("semantic_classifier tells two rooms and their door, at its pace, with
   REQUIRE(house.objects.back().nobjects == 0);
   REQUIRE(house.walls.back().utime == house.rooms.back().utime);
   REQUIRE_THAT(house.classifier->words(), Catch::Matchers::Contains("2 rooms, 1 doors"));
+}
+
+TEST_CASE("semantic_classifier tells, in the one version where it happened, that two rooms became one") {
+  House house;
+  house.drive();
+  for (const room_list_t& list : house.rooms) REQUIRE(list.nevents == 0);
+  Plan hall;
+  add_box(hall, -4, -3, 4, 3);
+  for (int lap = 0; lap < 6; ++lap) house.drive(hall);
+  house.classifier->finish();
+  house.stage.drain();
+  REQUIRE(house.rooms.back().nrooms == 1);
+  int merges = 0;
+  for (std::size_t k = 1; k < house.rooms.size(); ++k)
+    for (const room_event_t& event : house.rooms[k].events) {
+      REQUIRE(event.kind == room_event_t::MERGE);
+      REQUIRE(event.before == std::vector<std::int64_t>{house.rooms[k - 1].rooms[0].id, house.rooms[k - 1].rooms[1].id});
+      REQUIRE(event.after == std::vector<std::int64_t>{house.rooms[k].rooms[0].id});
+      ++merges;
+    }
+  REQUIRE(merges == 1);
+}
+
+TEST_CASE("semantic_classifier tells since when it has seen an object, and how sure it is of its class") {
+  House house;
+  Plan plan = two_rooms();
+  add_box(plan, -2.3, -0.35, -1.7, 0.2);
+  for (int lap = 0; lap < 2; ++lap) house.drive(plan);
+  house.classifier->finish();
+  house.stage.drain();
+  REQUIRE(house.objects.back().nobjects == 1);
+  const object_t object = house.objects.back().objects[0];
+  REQUIRE(object.last_utime == house.objects.back().utime);
+  REQUIRE((object.class_confidence > 0) != object.class_name.empty());
+  const auto first = std::find_if(house.objects.begin(), house.objects.end(), [&](const object_list_t& list) {
+    return std::any_of(list.objects.begin(), list.objects.end(), [&](const object_t& o) { return o.id == object.id; });
+  });
+  REQUIRE(object.first_utime == first->utime);
+  REQUIRE(object.first_utime < object.last_utime);
 }
 
 TEST_CASE("semantic_classifier answers SYNC_REQUEST with what it told last, and not its own") {

@@ -76,6 +76,8 @@ const area = (v) => `${v.toFixed(1)} m²`;
 const percent = (v) => `${Math.round(100 * v)} %`;
 const place = ([x, y]) => `${x.toFixed(2)}, ${y.toFixed(2)}`;
 
+const end = (p, known) => !known ? place(p) : known.seen ? `${place(p)} ± ${known.along_m.toFixed(2)} m` : `${place(p)}, what follows was not seen`;
+
 // @return [title, [[name, value], ...]]
 export function describe(state, {kind, id}, item) {
   const room = (rid) => {
@@ -90,8 +92,8 @@ export function describe(state, {kind, id}, item) {
     case 'doors': return [`Door ${id}`, [['state', item.state], ['width', metres(item.width_m)],
       ['between', item.rooms.map(room).join(' and ')], ['evidence', item.evidence.toFixed(2)], ['id', id]]];
     case 'walls': return [`Wall ${id}`, [['length', metres(item.length_m)], ['evidence', item.evidence.toFixed(2)],
-      ['spread', `${(item.sigma_m * 1000).toFixed(0)} mm`], ['from', place(item.a)], ['to', place(item.b)], ['id', id]]];
-    default: return [item.class || `Object ${id}`, [['class', item.class || 'not known'], ['area', `${item.area_m2.toFixed(2)} m²`],
+      ['spread', `${(item.sigma_m * 1000).toFixed(0)} mm`], ['from', end(item.a, item.ends?.[0])], ['to', end(item.b, item.ends?.[1])], ['id', id]]];
+    default: return [item.class || `Object ${id}`, [['class', item.class ? `${item.class}, ${percent(item.class_confidence ?? 0)}` : 'not known'], ['area', `${item.area_m2.toFixed(2)} m²`],
       ['seen for', `${((item.last_utime - item.first_utime) / 1e6).toFixed(1)} s`], ['evidence', item.evidence.toFixed(2)], ['id', id]]];
   }
 }

@@ -102,6 +102,18 @@ TEST_CASE("a door, a room and an object keep what they are on the wire") {
   REQUIRE(told.room_a == 7);
   REQUIRE(told.room_b == 9);
   REQUIRE(told.state == door_t::OPEN);
+  Wall wall;
+  wall.a = {1, 2};
+  wall.b = {3, 2};
+  wall.at_a = {0.01, 0.02, true};
+  wall.at_b = {0.03, 1.0, false};
+  const Wall there = from_message(over_the_wire(to_message(wall)));
+  REQUIRE(there.at_a.across_m == 0.01);
+  REQUIRE(there.at_a.along_m == 0.02);
+  REQUIRE(there.at_a.seen);
+  REQUIRE(there.at_b.across_m == 0.03);
+  REQUIRE(there.at_b.along_m == 1.0);
+  REQUIRE_FALSE(there.at_b.seen);
   Room room;
   room.name = "Corridor 3";
   room.corridor = true;
@@ -113,9 +125,11 @@ TEST_CASE("a door, a room and an object keep what they are on the wire") {
   REQUIRE(heard.x[3] == room.outline[3].x());
   Object object;
   object.class_name = "car";
+  object.class_confidence = 0.9;
   object.outline = star(5);
   const object_t seen = over_the_wire(to_message(object, 77));
   REQUIRE(seen.class_name == "car");
+  REQUIRE(from_message(seen).class_confidence == 0.9);
   REQUIRE(seen.last_utime == 77);
   REQUIRE(seen.npoints == 5);
 }

@@ -179,6 +179,11 @@ void require_same(const SemanticLayers& a, const SemanticLayers& b) {
     REQUIRE(same_line(a.walls[k].a, a.walls[k].b, b.walls[k].a, b.walls[k].b));
     REQUIRE(a.walls[k].evidence == Approx(b.walls[k].evidence));
     REQUIRE(a.walls[k].sigma_m == Approx(b.walls[k].sigma_m));
+    for (const auto& [p, q] : {std::pair(a.walls[k].at_a, b.walls[k].at_a), std::pair(a.walls[k].at_b, b.walls[k].at_b)}) {
+      REQUIRE(p.across_m == Approx(q.across_m));
+      REQUIRE(p.along_m == Approx(q.along_m));
+      REQUIRE(p.seen == q.seen);
+    }
   }
   for (std::size_t k = 0; k < a.doors.size(); ++k) {
     REQUIRE(same_line(a.doors[k].a, a.doors[k].b, b.doors[k].a, b.doors[k].b));

@@ -39,11 +39,16 @@ TEST_CASE("a message is told in words, names cannot steer the terminal, rubbish 
   list.rooms.resize(1);
   list.rooms[0].id = 7;
   list.rooms[0].name = "Hall\x1b[2J";
+  room_event_t merge{};
+  merge.kind = room_event_t::MERGE;
+  merge.before = {7, 9}, merge.nbefore = 2;
+  merge.after = {7}, merge.nafter = 1;
+  list.events = {merge}, list.nevents = 1;
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(list.getEncodedSize()));
   list.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
   std::string all;
   for (const std::string& line : describe_message(channel::kRooms, bytes)) all += line + "\n";
-  CHECK_THAT(all, Catch::Contains("room 7") && Catch::Contains("Hall?[2J"));
+  CHECK_THAT(all, Catch::Contains("room 7") && Catch::Contains("Hall?[2J") && Catch::Contains("rooms 7 9 merged into 7"));
   bytes.resize(bytes.size() - 1);
   CHECK_THAT(describe_message(channel::kRooms, bytes)[0], Catch::Contains("bytes:"));
   CHECK(message_number(channel::kPose, bytes.data(), bytes.size()) == -1);

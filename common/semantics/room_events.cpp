@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/semantics/room_events.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "common/semantics/room_finder.hpp"
+
+namespace modslam {
+namespace {
+
+constexpr double kMostly = 0.5, kFinest_m = 0.2;
+constexpr int kMostSteps = 40;
+
+std::set<std::int64_t> ids_of(const std::vector<Room>& rooms) {
+  std::set<std::int64_t> ids;
+  for (const Room& room : rooms) ids.insert(room.id);
+  return ids;
+}
+
+/// Whether more than half of a grid of points in `part` lies in `whole`.
+bool is_mostly_in(const Room& part, const Room& whole) {
+  if (part.outline.empty() || whole.outline.empty()) return false;
+  Eigen::Vector2d low = part.outline[0], high = low;
+  for (const Eigen::Vector2d& p : part.outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const double step = std::max(kFinest_m, (high - low).maxCoeff() / kMostSteps);
+  int in_part = 0, in_both = 0;
+  for (double y = low.y() + 0.5 * step; y < high.y(); y += step)
+    for (double x = low.x() + 0.5 * step; x < high.x(); x += step) {
+      if (!contains(part.outline, {x, y})) continue;
+      ++in_part;
+      in_both += contains(whole.outline, {x, y});
+    }
+  return in_both > kMostly * in_part;
+}
+
+/// Of rooms that are in one list only: the room of the other list that they mostly lie in, and all that lie in it.
+std::map<std::int64_t, std::vector<std::int64_t>> gathered(const std::vector<Room>& parts, const std::vector<Room>& wholes) {
+  const std::set<std::int64_t> known = ids_of(wholes), elsewhere = ids_of(parts);
+  std::map<std::int64_t, std::vector<std::int64_t>> in;
+  for (const Room& part : parts) {
+    if (known.count(part.id)) continue;
+    const auto whole = std::find_if(wholes.begin(), wholes.end(), [&](const Room& room) { return is_mostly_in(part, room); });
+    if (whole != wholes.end()) in[whole->id].push_back(part.id);
+  }
+  for (auto& [whole, ids] : in) {
+    if (elsewhere.count(whole)) ids.push_back(whole);
+    std::sort(ids.begin(), ids.end());
+  }
+  return in;
+}
+
+}  // namespace
+
+std::vector<RoomEvent> room_events(const std::vector<Room>& before, const std::vector<Room>& now) {
+  std::vector<RoomEvent> events;
+  for (const auto& [whole, parts] : gathered(before, now))
+    if (parts.size() > 1) events.push_back({RoomEvent::Kind::kMerge, parts, {whole}});
+  for (const auto& [whole, parts] : gathered(now, before))
+    if (parts.size() > 1) events.push_back({RoomEvent::Kind::kSplit, {whole}, parts});
+  return events;
+}
+
+}  // namespace modslam

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/semantics/wall_ends.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace modslam {
+namespace {
+
+constexpr double kBack_m = 0.3;   // of the wall itself: its last bins need not lie on occupied cells
+constexpr double kAside_m = 0.15; // a face that the wall meets shows this far from it
+constexpr double kBehind_m = 0.1; // free so far behind the line: beams that graze a wall make its near side free between two hits
+
+double floor_m(const KnownSpace& space) { return space.resolution_m / std::sqrt(12.0); }
+
+/// An end known to lie between `low` and `high`, told to be at 0.
+WallEnd between(double low, double high, const KnownSpace& space) {
+  const double mid = 0.5 * (low + high), width = high - low;
+  return {0, std::max(floor_m(space), std::sqrt(width * width / 12 + mid * mid)), true};
+}
+
+}  // namespace
+
+WallEnd look_beyond(const KnownSpace& space, const Eigen::Vector2d& p, const Eigen::Vector2d& u, const Eigen::Vector2d& normal) {
+  const double cell_m = space.resolution_m, step_m = 0.5 * cell_m;
+  const auto occupied = [&](const Eigen::Vector2d& q) { return space.is_occupied(space.cell(q)); };
+  const auto free_at = [&](const Eigen::Vector2d& q) { return space.is_free(space.cell(q)); };
+  const int last = static_cast<int>(kEndUnseen_m / step_m);
+  double supported = -kBack_m, free = -1;
+  bool ends = false;
+  for (int k = -static_cast<int>(kBack_m / step_m); k <= last; ++k) {
+    const double s = k * step_m;
+    const Eigen::Vector2d q = p + s * u;
+    if (occupied(q + kAside_m * normal) && occupied(q + (kAside_m + cell_m) * normal)) return between(s - step_m, s + step_m, space);
+    if (occupied(q) || occupied(q + cell_m * normal) || occupied(q - cell_m * normal)) {
+      supported = s;
+      ends = false;
+    } else if (!ends && free_at(q) && free_at(q - kBehind_m * normal)) {
+      free = s;
+      ends = true;
+    }
+    if (ends && k >= 0) return between(supported, free, space);
+  }
+  return {0, kEndUnseen_m, false};
+}
+
+void WallEnds::update(std::vector<Wall>& walls, const WallSet& known, const std::vector<std::size_t>& come, const KnownSpace& space, const Boxes& changed) {
+  ends_.resize(known.end());
+  std::vector<bool> is_new(known.end(), false);
+  for (const std::size_t number : come) is_new[number] = true;
+  const cv::Rect all = bounds(changed);
+  const int reach = static_cast<int>(kEndUnseen_m / space.resolution_m) + 2;
+  for (std::size_t k = 0; k < walls.size(); ++k) {
+    Wall& wall = walls[k];
+    const std::size_t number = known.numbers()[k];
+    const auto refresh = [&](WallEnd& end, const Eigen::Vector2d& p, const Eigen::Vector2d& u) {
+      const cv::Rect around = grown(cv::Rect(space.cell(p), cv::Size(1, 1)), reach);
+      if (is_new[number] || (meet(all, around) && meet(changed, around))) end = look_beyond(space, p, u, wall.normal());
+    };
+    refresh(ends_[number][0], wall.a, -wall.direction());
+    refresh(ends_[number][1], wall.b, wall.direction());
+    for (const auto& [at, seen] : {std::pair(&wall.at_a, &ends_[number][0]), std::pair(&wall.at_b, &ends_[number][1])})
+      *at = {std::max(at->across_m, floor_m(space)), seen->along_m, seen->seen};
+  }
+}
+
+}  // namespace modslam
