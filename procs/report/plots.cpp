@@ -18,7 +18,7 @@ struct TimeAxis {
   double duration_s;
 
   double seconds(std::int64_t utime) const {
-    return static_cast<double>(utime - start_utime) * 1e-6;
+    return seconds_between(start_utime, utime);
   }
   double px(double t_s) const {
     return kLeft +

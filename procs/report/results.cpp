@@ -16,7 +16,7 @@ void measure_time(const RunRecord& run, Results& out) {
   if (t.empty()) return;
   const auto [first, last] = std::minmax_element(t.begin(), t.end());
   out.start_utime = *first;
-  out.duration_s = static_cast<double>(*last - *first) * 1e-6;
+  out.duration_s = seconds_between(*first, *last);
   for (std::size_t i = 1; i < t.size(); ++i) out.stamps_stepped_back += t[i] < t[i - 1];
 }
 

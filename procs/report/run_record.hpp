@@ -17,6 +17,11 @@
 
 namespace modslam::report {
 
+/// [s] Stamps of a broken log may lie farther apart than their type can count.
+inline double seconds_between(std::int64_t from_utime, std::int64_t to_utime) {
+  return 1e-6 * (static_cast<double>(to_utime) - static_cast<double>(from_utime));
+}
+
 struct ChannelTally {
   std::int64_t messages = 0, undecodable = 0;
 };
