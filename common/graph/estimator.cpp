@@ -188,7 +188,8 @@ LoopFate GraphEstimator::add_loop(const LoopProposal& loop) {
         consistent(waiting_[k], loop) &&
         std::all_of(friends.begin(), friends.end(), [&](std::size_t f) { return consistent(waiting_[f], waiting_[k]); }))
       friends.push_back(k);
-  if (static_cast<std::int64_t>(friends.size()) >= config_.confirmations) {
+  // Looks that are silent in a direction fit the equal room next door as well: they do not decide where a lost way ends.
+  if (loop.verdict == Verdict::kOk && static_cast<std::int64_t>(friends.size()) >= config_.confirmations) {
     join_parts(loop);
     for (const std::size_t k : friends) accept(to_edge(waiting_[k]));
     for (auto k = friends.rbegin(); k != friends.rend(); ++k) waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(*k));

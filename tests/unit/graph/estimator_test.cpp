@@ -201,3 +201,18 @@ TEST_CASE("a loop that the scans' own comparison contradicts is taken back by th
   REQUIRE(ring.estimator.graph().edges.back().from != 25);
   REQUIRE(distance(ring.estimator.graph().poses[85], ring.estimator.graph().poses[25]) < 0.05);
 }
+
+TEST_CASE("loops that are silent in a direction wait for one that is not, however many they are") {
+  Ring ring;
+  for (const NodeId k : {60, 62, 64, 66, 68}) {
+    LoopProposal silent = ring.loop(k - 60, k);
+    silent.verdict = Verdict::kDegenerate;
+    REQUIRE(ring.estimator.add_loop(silent) == LoopFate::kWaiting);
+  }
+  ring.estimator.add_loop(ring.loop(10, 70));
+  ring.estimator.add_loop(ring.loop(12, 72));
+  REQUIRE(ring.estimator.add_loop(ring.loop(14, 74)) == LoopFate::kAccepted);
+  LoopProposal silent = ring.loop(16, 76);
+  silent.verdict = Verdict::kDegenerate;
+  REQUIRE(ring.estimator.add_loop(silent) == LoopFate::kAccepted);  // the place is known now
+}
