@@ -12,17 +12,12 @@ using nlohmann::json;
 
 void LoopBook::propose(const loop_closure_t& message) {
   const auto number = [](double value) {
-    if (!std::isfinite(value)) throw BadMessage("loop with an impossible number");
-    return std::round(value * 1000) / 1000;
+    const auto figure = static_cast<float>(value);
+    if (!std::isfinite(figure)) throw BadMessage("loop with an impossible number");
+    return figure;
   };
   const bool good = is_good(message.verdict) || message.verdict == scan_match_t::DEGENERATE;
-  proposals_.push_back({{"from", message.from_node},
-                        {"to", message.to_node},
-                        {"verdict", verdict_word(message.verdict)},
-                        {"refused", !good},
-                        {"score", number(message.score)},
-                        {"overlap", number(message.overlap)},
-                        {"innovation", number(message.innovation)}});
+  proposals_.push_back({message.from_node, message.to_node, number(message.score), number(message.overlap), number(message.innovation), message.verdict, !good});
   if (proposals_.size() > kKept) proposals_.pop_front();
   ++(good ? proposed_ : refused_);
 }
@@ -61,9 +56,20 @@ json LoopBook::edges_json(std::int64_t epoch) const {
 }
 
 json LoopBook::proposals_json() const {
-  json items = json::array();
-  for (const json& proposal : proposals_) items.push_back(proposal);
-  return {{"stream", "proposals"}, {"items", std::move(items)}};
+  json columns = {{"stream", "proposals"}};
+  const auto column = [&](const char* name, auto value) {
+    json& values = columns[name] = json::array();
+    for (const Proposal& proposal : proposals_) values.push_back(value(proposal));
+  };
+  const auto rounded = [](float value) { return std::round(1000.0 * value) / 1000.0; };
+  column("from", [](const Proposal& p) { return p.from; });
+  column("to", [](const Proposal& p) { return p.to; });
+  column("verdict", [](const Proposal& p) { return verdict_word(p.verdict); });
+  column("refused", [](const Proposal& p) { return p.refused; });
+  column("score", [&](const Proposal& p) { return rounded(p.score); });
+  column("overlap", [&](const Proposal& p) { return rounded(p.overlap); });
+  column("innovation", [&](const Proposal& p) { return rounded(p.innovation); });
+  return columns;
 }
 
 }  // namespace modslam

@@ -31,12 +31,19 @@ class LoopBook {
   std::int64_t refused() const { return refused_; }
 
   nlohmann::json edges_json(std::int64_t epoch) const;
+  /// A column for each figure, oldest proposal first: rows of named values would need ten times the memory.
   nlohmann::json proposals_json() const;
 
  private:
+  struct Proposal {
+    NodeId from, to;
+    float score, overlap, innovation;
+    std::int8_t verdict;
+    bool refused;
+  };
   std::map<EdgeId, Pair> accepted_;
   std::deque<Pair> retracted_;
-  std::deque<nlohmann::json> proposals_;
+  std::deque<Proposal> proposals_;
   std::int64_t proposed_ = 0, refused_ = 0;
 };
 

@@ -29,7 +29,8 @@ export function take(state, message, now) {
     case 'pose': state.pose = message; break;
     case 'scan': state.scan = message; break;
     case 'edges': state.edges = message.loops; state.retracted = message.retracted; break;
-    case 'proposals': case 'events': state[message.stream] = message.items; break;
+    case 'proposals': state.proposals = rowsOf(message, ['from', 'to', 'verdict', 'refused', 'score', 'overlap', 'innovation']); break;
+    case 'events': state.events = message.items; break;
     case 'series': case 'playback': state[message.stream] = message; break;
     case 'ellipses': takePoses(state.ellipses, message); break;
     case 'nodes': takePoses(state.nodes, message); break;
@@ -42,6 +43,11 @@ export function take(state, message, now) {
       state.clocks = [...state.clocks, message].slice(-7);
       break;
   }
+}
+
+// Objects from columns of the same length.
+function rowsOf(columns, names) {
+  return columns[names[0]].map((_, k) => Object.fromEntries(names.map((name) => [name, columns[name][k]])));
 }
 
 // Pieces may overtake each other: a hole stays empty until its piece is here. One that is not full is the last.

@@ -46,11 +46,11 @@ TEST_CASE("proposals are told with their verdict, the newest thousand of them") 
     book.propose(proposal(i, i + 100, i % 3 ? scan_match_t::OK : scan_match_t::AMBIGUOUS));
   CHECK(book.proposed() == 1000);
   CHECK(book.refused() == 500);
-  const auto items = book.proposals_json()["items"];
-  REQUIRE(items.size() == LoopBook::kKept);
-  CHECK(items.back()["from"] == 1499);
-  CHECK(items.back()["verdict"] == "ok");
-  CHECK(items[1]["refused"] == true);
+  const nlohmann::json columns = book.proposals_json();
+  for (const char* name : {"from", "to", "verdict", "refused", "score", "overlap", "innovation"}) CHECK(columns[name].size() == LoopBook::kKept);
+  CHECK(columns["from"].back() == 1499);
+  CHECK(columns["verdict"].back() == "ok");
+  CHECK(columns["refused"][1] == true);
   auto bad = proposal(1, 2, scan_match_t::OK);
   bad.score = std::numeric_limits<double>::infinity();
   CHECK_THROWS_AS(book.propose(bad), BadMessage);
