@@ -14,6 +14,7 @@
 #include "common/bus/log.hpp"
 #include "procs/report/compare.hpp"
 #include "tests/support/matchers.hpp"
+#include "tests/support/synthetic_building.hpp"
 #include "tests/support/synthetic_run.hpp"
 
 using namespace modslam;

@@ -23,7 +23,4 @@ struct SyntheticRun {
 SyntheticRun write_synthetic_run(const std::string& log_path, int scans, int drop_pose_every = 0,
                                  std::int64_t start_utime = 1'000'000'000);
 
-/// The building of that run as GeoJSON (walls and doors, world coordinates).
-std::string synthetic_world_geojson();
-
 }  // namespace modslam::test
