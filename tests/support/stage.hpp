@@ -29,13 +29,17 @@ class Stage {
   /// Handles messages until nobody says anything more; ticks after each round.
   void drain(int rounds = 3) {
     for (int round = 0; round < rounds; ++round) {
-      while (transport.poll(0)) {
-      }
+      settle();
       for (auto& module : modules_) module->tick(0);
     }
+    settle();
+  }
+  /// The same without a tick: no time passes.
+  void settle() {
     while (transport.poll(0)) {
     }
   }
+  const std::vector<std::unique_ptr<Bus>>& buses() const { return buses_; }
 
   Transport transport{"memq://"};
 
