@@ -34,7 +34,7 @@ class ScoreGrid {
  public:
   explicit ScoreGrid(double resolution_m = 0.05) : resolution_m_(resolution_m) {}
 
-  /// Fills the grid anew from wall points [m] in the map frame; memory is kept from call to call.
+  /// Fills the grid anew from wall points [m] in the map frame.
   /// @param widest_m half width of the widest window that will be searched fast: wider ones make the coarse levels.
   void build(const std::vector<Eigen::Vector2d>& walls, double blur_m, double widest_m);
 

@@ -17,7 +17,7 @@ void Submap::build(const std::vector<const Keyframe*>& keyframes, double blur_m,
   walls_.clear();
   blur_m_ = blur_m;
   widest_m_ = widest_m;
-  score_grid_ready_ = false;
+  score_grid_.reset();
   for (const Keyframe* keyframe : keyframes) {
     const Eigen::Matrix2d R = rotation(keyframe->T_map_base.heading);
     const Eigen::Vector2d t = keyframe->T_map_base.translation();
@@ -34,9 +34,8 @@ void Submap::build(const std::vector<const Keyframe*>& keyframes, double blur_m,
 }
 
 const ScoreGrid& Submap::score_grid() const {
-  if (!score_grid_ready_) score_grid_.build(walls_, blur_m_, widest_m_);
-  score_grid_ready_ = true;
-  return score_grid_;
+  if (!score_grid_) score_grid_.emplace().build(walls_, blur_m_, widest_m_);
+  return *score_grid_;
 }
 
 bool Submap::nearest_surface(const Eigen::Vector2d& p, const Eigen::Vector2d& n, double gate_m,

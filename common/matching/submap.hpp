@@ -2,6 +2,7 @@
 /// @file A local map of oriented points from several scans, searchable two ways: correlatively and by neighbour.
 #pragma once
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "common/matching/cell_index.hpp"
@@ -55,8 +56,7 @@ class Submap : public SurfaceSource {
   const Surface& surface_at(std::size_t point) const;
 
   static constexpr double kCell_m = 0.12;
-  mutable ScoreGrid score_grid_{0.05};
-  mutable bool score_grid_ready_ = false;
+  mutable std::optional<ScoreGrid> score_grid_;
   double blur_m_ = 0, widest_m_ = 0;
   std::vector<Eigen::Vector2d> walls_;  ///< all points, with a normal or without
   CellIndex<OrientedPoint> index_{kCell_m};  ///< points with a normal, map frame

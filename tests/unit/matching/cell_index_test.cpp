@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/matching/cell_index.hpp"
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <set>
 
@@ -41,4 +42,20 @@ TEST_CASE("an empty index visits nothing, and points too far out are left out") 
   REQUIRE(visited == 0);
   index.build({{{0, 0}, 1}, {{1e6, 0}, 2}});
   REQUIRE(index.points().size() == 1);
+}
+
+TEST_CASE("walls askew to the axes take no more cells than walls along them") {
+  const auto cells_of_room = [](double turn_rad) {
+    const Eigen::Rotation2D<double> turned(turn_rad);
+    std::vector<Numbered> outline;
+    for (double s = 0; s < 20; s += 0.05)
+      for (const Eigen::Vector2d& p : {Eigen::Vector2d(s, 0), {s, 4}, {0, s / 5}, {20, s / 5}}) outline.push_back({turned * p, 0});
+    CellIndex<Numbered> index(0.1);
+    index.build(outline);
+    CHECK(index.points().size() == outline.size());
+    return index.cells();
+  };
+  const std::size_t along = cells_of_room(0);
+  CHECK(along >= 200 * 40);
+  for (const double turn_rad : {0.1, 0.4, 0.8}) CHECK(static_cast<double>(cells_of_room(turn_rad)) < 1.1 * static_cast<double>(along));
 }
