@@ -22,10 +22,9 @@ void Trail::clear() {
   changed_.clear();
 }
 
-void Trail::halve() {
+void Trail::start_over() {
   for (std::size_t piece = 0; piece * kPiece < triples_.size(); ++piece) changed_.insert(piece);
-  for (std::size_t k = 0; 2 * k < triples_.size(); ++k) triples_[k] = triples_[2 * k];
-  triples_.resize((triples_.size() + 1) / 2);
+  triples_.clear();
 }
 
 void Trail::flush(Hub& hub, std::int64_t utime) {

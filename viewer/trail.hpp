@@ -27,8 +27,8 @@ class Trail {
   void set(std::size_t index, const Triple& triple);
   void append(const Triple& triple) { set(triples_.size(), triple); }
   void clear();
-  /// Drops every second one.
-  void halve();
+  /// Empties the list; pages are told at the next flush.
+  void start_over();
   /// Publishes the pieces that changed since the last call, as of message time `utime`.
   void flush(Hub& hub, std::int64_t utime);
   const std::vector<Triple>& triples() const { return triples_; }

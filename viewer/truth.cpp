@@ -8,8 +8,6 @@ namespace {
 
 constexpr std::size_t kRecent = 500;  // five seconds of 100 Hz: longer than an estimate takes
 constexpr std::int64_t kBeside_us = 20'000;  // a robot at 1 m/s moves 2 cm meanwhile
-constexpr double kFinest_m = 0.05;           // finer than a pixel at usual zoom
-constexpr std::size_t kMost = 20'000;        // points: a kilometre at the finest
 
 }  // namespace
 
@@ -37,19 +35,7 @@ std::optional<double> Truth::add_estimate(std::int64_t utime, const Pose2& T_map
 void Truth::clear() {
   recent_.clear();
   T_map_world_.reset();
-  last_.reset();
-  step_m_ = kFinest_m;
-  trail_.clear();
-}
-
-void Truth::extend(const Pose2& T_world_base) {
-  const Pose2 T_map_base = *T_map_world_ * T_world_base;
-  if (last_ && distance(*last_, T_map_base) < step_m_) return;
-  last_ = T_map_base;
-  trail_.append(triple(T_map_base));
-  if (trail_.triples().size() < kMost) return;
-  step_m_ *= 2;
-  trail_.halve();
+  sketch_.clear();
 }
 
 }  // namespace modslam

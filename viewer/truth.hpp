@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "common/bus/conversions.hpp"
-#include "viewer/trail.hpp"
+#include "viewer/path_sketch.hpp"
 
 namespace modslam {
 
@@ -22,12 +22,12 @@ class Truth {
   const std::vector<Triple>& trail() const { return trail_.triples(); }
 
  private:
-  void extend(const Pose2& T_world_base);
+  void extend(const Pose2& T_world_base) { sketch_.add(triple(*T_map_world_ * T_world_base)); }
 
   std::deque<TimedPose> recent_;  ///< newest last
-  std::optional<Pose2> T_map_world_, last_;
-  double step_m_ = 0.05;  ///< between points of the trail; doubles when there are too many: a long run is kept whole, only coarser
+  std::optional<Pose2> T_map_world_;
   Trail trail_{"truth"};
+  PathSketch sketch_{trail_};
 };
 
 }  // namespace modslam
