@@ -56,8 +56,9 @@ json counts_json(const std::vector<channel_count_t>& counts) {
 }  // namespace
 
 FramePtr text_frame(const json& content) {
-  return std::make_shared<Frame>(
-      Frame{false, content.dump(-1, ' ', false, json::error_handler_t::replace)});
+  Frame frame{false, content.dump(-1, ' ', false, json::error_handler_t::replace)};
+  frame.bytes.shrink_to_fit();  // it may be kept, and text grows by doubling
+  return std::make_shared<Frame>(std::move(frame));
 }
 
 json walls_json(const std::vector<wall_list_t>& chunks) {

@@ -10,7 +10,7 @@ namespace modslam {
 /// Source: the sleeve-fitting of Zhao and Saalfeld, "Linear-time sleeve-fitting polyline simplification algorithms", AutoCarto 1997.
 class PathSketch {
  public:
-  static constexpr std::size_t kMost = 4000;
+  static constexpr std::size_t kMost = 2000;
   static constexpr double kFinest_m = 0.01;
 
   explicit PathSketch(Trail& trail) : trail_(trail) {}

@@ -60,7 +60,7 @@ TEST_CASE("a path of many corners is kept whole, only coarser, and whoever stand
   Trail trail("truth");
   PathSketch sketch(trail);
   std::vector<Triple> path;
-  for (int k = 0; k < 30'000; ++k) path.push_back({0.2 * k, k % 2 ? 0.1 : 0.0, 0});
+  for (int k = 0; k < 15'000; ++k) path.push_back({0.2 * k, k % 2 ? 0.1 : 0.0, 0});
   for (const Triple& place : path) sketch.add(place);
   CHECK(trail.triples().size() <= PathSketch::kMost);
   CHECK(sketch.tolerance_m() <= 0.16);
