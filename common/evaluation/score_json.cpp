@@ -66,6 +66,10 @@ Json to_json(const DoorScores& s) {
   return json;
 }
 
+Json to_json(const ObjectScores& s) {
+  return {{"found", s.found}, {"matched", s.matched}, {"truth", s.truth}, {"named", s.named}, {"named_right", s.named_right}};
+}
+
 }  // namespace
 
 Json to_json(const Statistics& s) {
@@ -90,7 +94,7 @@ Json to_json(const TruthScores& s) {
 }
 
 Json to_json(const SemanticScores& s) {
-  return {{"walls", to_json(s.walls)}, {"rooms", to_json(s.rooms)}, {"doors", to_json(s.doors)}};
+  return {{"walls", to_json(s.walls)}, {"rooms", to_json(s.rooms)}, {"doors", to_json(s.doors)}, {"objects", to_json(s.objects)}};
 }
 
 }  // namespace modslam

@@ -85,6 +85,8 @@ std::string to_table(const SemanticScores& s) {
           "rooms right %zu of %zu",
           s.doors.found, s.doors.matched, s.doors.truth, s.doors.visible_truth,
           s.doors.median_width_error_m, s.doors.pairs_right, s.doors.pairs_known);
+  out += row("objects: found %zu, %zu of them things that are there (IoU 0.3) of %zu; %zu named, %zu rightly", s.objects.found, s.objects.matched,
+             s.objects.truth, s.objects.named, s.objects.named_right);
   return out;
 }
 

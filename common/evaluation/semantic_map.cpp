@@ -88,7 +88,7 @@ void add_feature(const json& feature, SemanticMap& map) {
     map.rooms.push_back({id_of(properties.value("id", json())), polygon_of(geometry)});
   if (kind == "door") map.doors.push_back(door_of(properties, geometry));
   if (kind == "object" && geometry.at("type") == "Polygon")
-    map.objects.push_back(polygon_of(geometry));
+    map.objects.push_back({polygon_of(geometry), id_of(properties.value("class", json()))});
 }
 
 bool inside(const Ring& ring, const Eigen::Vector2d& p) {
@@ -131,7 +131,7 @@ SemanticMap transformed(const Pose2& T, SemanticMap map) {
   for (MapWall& wall : map.walls) wall.a = T * wall.a, wall.b = T * wall.b;
   for (MapDoor& door : map.doors) door.a = T * door.a, door.b = T * door.b;
   for (MapRoom& room : map.rooms) transform(T, room.polygon);
-  for (MapPolygon& object : map.objects) transform(T, object);
+  for (MapObject& object : map.objects) transform(T, object.polygon);
   return map;
 }
 

@@ -39,11 +39,16 @@ struct MapDoor {
   double width_m() const { return (b - a).norm(); }
 };
 
+struct MapObject {
+  MapPolygon polygon;
+  std::string class_name;  ///< "": not named
+};
+
 struct SemanticMap {
   std::vector<MapWall> walls;
   std::vector<MapRoom> rooms;
   std::vector<MapDoor> doors;
-  std::vector<MapPolygon> objects;
+  std::vector<MapObject> objects;
 };
 
 /// Features with properties.kind wall, room, door, object; other kinds are passed over. A

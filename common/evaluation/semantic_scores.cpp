@@ -45,6 +45,22 @@ std::vector<double> distances(const std::vector<WallSample>& samples,
   return out;
 }
 
+/// Of each of `found` (rows) with each of `truth`, by their polygons.
+template <class Region>
+Eigen::MatrixXd intersection_over_union(const std::vector<Region>& found, const std::vector<Region>& truth) {
+  Eigen::MatrixXd iou(found.size(), truth.size());
+  for (std::size_t f = 0; f < found.size(); ++f)
+    for (std::size_t t = 0; t < truth.size(); ++t) {
+      const double overlap = overlap_m2(found[f].polygon, truth[t].polygon);
+      iou(f, t) = share(overlap, area_m2(found[f].polygon) + area_m2(truth[t].polygon) - overlap);
+    }
+  return iou;
+}
+
+bool is_kind_of(const std::string& name, const std::string& general) {
+  return name.size() >= general.size() && name.compare(name.size() - general.size(), general.size(), general) == 0;
+}
+
 }  // namespace
 
 WallScores score_walls(const SemanticMap& found, const SemanticMap& truth,
@@ -84,13 +100,7 @@ RoomScores score_rooms(const SemanticMap& found, const SemanticMap& truth,
   RoomScores scores;
   scores.found = found.rooms.size();
   scores.truth = truth.rooms.size();
-  Eigen::MatrixXd iou(found.rooms.size(), truth.rooms.size());
-  for (std::size_t f = 0; f < found.rooms.size(); ++f)
-    for (std::size_t t = 0; t < truth.rooms.size(); ++t) {
-      const double overlap = overlap_m2(found.rooms[f].polygon, truth.rooms[t].polygon);
-      iou(f, t) = share(
-          overlap, area_m2(found.rooms[f].polygon) + area_m2(truth.rooms[t].polygon) - overlap);
-    }
+  const Eigen::MatrixXd iou = intersection_over_union(found.rooms, truth.rooms);
   scores.truth_of_found = assign(-iou);
   std::vector<double> iou_of_truth(truth.rooms.size(), 0.0), matched_iou;
   for (std::size_t f = 0; f < found.rooms.size(); ++f) {
@@ -175,11 +185,29 @@ DoorScores score_doors(const SemanticMap& found, const SemanticMap& truth,
   return scores;
 }
 
+ObjectScores score_objects(const SemanticMap& found, const SemanticMap& truth) {
+  constexpr double kMatch = 0.3;
+  ObjectScores scores;
+  scores.found = found.objects.size();
+  scores.truth = truth.objects.size();
+  const Eigen::MatrixXd iou = intersection_over_union(found.objects, truth.objects);
+  const std::vector<int> truth_of_found = assign(-iou);
+  for (std::size_t f = 0; f < found.objects.size(); ++f) {
+    const int t = truth_of_found[f];
+    if (t < 0 || iou(f, t) < kMatch) continue;
+    ++scores.matched;
+    const std::string& name = found.objects[f].class_name;
+    if (name.empty()) continue;
+    ++scores.named;
+    scores.named_right += is_kind_of(truth.objects[t].class_name, name);
+  }
+  return scores;
+}
+
 SemanticScores score_semantics(const SemanticMap& found, const SemanticMap& truth,
                                const Visibility& visibility) {
   const RoomScores rooms = score_rooms(found, truth, visibility);
-  return {score_walls(found, truth, visibility), rooms,
-          score_doors(found, truth, visibility, rooms)};
+  return {score_walls(found, truth, visibility), rooms, score_doors(found, truth, visibility, rooms), score_objects(found, truth)};
 }
 
 }  // namespace modslam

@@ -162,7 +162,7 @@ void SeenSpace::add_beam(const Eigen::Vector2d& from, const Eigen::Vector2d& to)
   }
 }
 
-double SeenSpace::share(const MapPolygon& polygon, const std::vector<MapPolygon>& objects) const {
+double SeenSpace::share(const MapPolygon& polygon, const std::vector<MapObject>& objects) const {
   Eigen::Vector2d low = polygon.outline.front(), high = low;
   for (const Eigen::Vector2d& p : polygon.outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
   // Cell by cell, or at a million places of a region that no building has.
@@ -172,7 +172,7 @@ double SeenSpace::share(const MapPolygon& polygon, const std::vector<MapPolygon>
     for (double x = (cell_of(low.x()) + 0.5) * kCell_m; x < high.x(); x += step_m) {
       const Eigen::Vector2d place(x, y);
       if (!contains(polygon, place)) continue;
-      const auto holds_it = [&](const MapPolygon& object) { return contains(object, place); };
+      const auto holds_it = [&](const MapObject& object) { return contains(object.polygon, place); };
       if (std::any_of(objects.begin(), objects.end(), holds_it)) continue;
       ++places;
       seen += crossed(place);

@@ -34,7 +34,7 @@ class SeenSpace {
   bool crossed(const Eigen::Vector2d& place) const;
   /// Share of the polygon's cells, outside of `objects`, that were crossed; 0 when it covers no
   /// cell.
-  double share(const MapPolygon& polygon, const std::vector<MapPolygon>& objects) const;
+  double share(const MapPolygon& polygon, const std::vector<MapObject>& objects) const;
 
  private:
   std::map<std::pair<int, int>, std::vector<bool>> tiles_;

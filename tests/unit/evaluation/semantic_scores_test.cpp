@@ -207,6 +207,21 @@ TEST_CASE("The assignment is as cheap as the best of all permutations", "[evalua
   CHECK(assign(Eigen::MatrixXd(2, 0)) == std::vector<int>{-1, -1});
 }
 
+TEST_CASE("an object is right where a true one lies under it, its class when the true one is that or a kind of it") {
+  SemanticMap truth = two_rooms(), found = truth;
+  truth.objects = {{box(1, 1, 3, 2), "police_car"}, {box(5, 1, 6, 2), "table"}, {box(6.5, 3, 7, 3.5), "plant"}};
+  found.objects = {{box(1, 1, 2.9, 2), "car"}, {box(5, 1, 6, 1.9), "desk"}, {box(6.5, 3, 7.1, 3.5), ""}, {box(1, 3, 2, 4), "car"}};
+  const ObjectScores scores = score(found, truth).objects;
+  CHECK(scores.found == 4);
+  CHECK(scores.matched == 3);
+  CHECK(scores.named == 2);
+  CHECK(scores.named_right == 1);
+  found.objects[1].class_name = "table";
+  CHECK(score(found, truth).objects.named_right == 2);
+  found.objects.clear();
+  CHECK(score(found, truth).objects.matched == 0);
+}
+
 TEST_CASE("GeoJSON is read with its holes, and a wrong feature is named", "[evaluation]") {
   const auto file = [](const std::string& features) {
     return R"({"type":"FeatureCollection","features":[)" + features + "]}";
