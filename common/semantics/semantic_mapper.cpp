@@ -71,6 +71,7 @@ const SemanticLayers& SemanticMapper::update(bool settled) {
   for (const auto& [x, y, side] : evidence_.take_changed()) odds.emplace_back(x, y, side, side);
   SemanticLayers layers = interpreter_.update(space_, changed, [this](const Eigen::Vector2d& p) { return evidence_.log_odds(p); }, odds);
   identities_.carry_over(layers_, layers);
+  door_states_.update(layers_, layers, nodes_.size(), [this](std::size_t k) { return DoorStates::View{nodes_[k].scan, nodes_[k].sensor, nodes_[k].drawn}; });
   layers_ = std::move(layers);
   return layers_;
 }

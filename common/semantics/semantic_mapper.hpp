@@ -8,6 +8,7 @@
 #include "common/graph/types.hpp"
 #include "common/maps/occupancy_map.hpp"
 #include "common/semantics/door_sensor.hpp"
+#include "common/semantics/door_states.hpp"
 #include "common/semantics/evidence_grid.hpp"
 #include "common/semantics/hough.hpp"
 #include "common/semantics/identities.hpp"
@@ -51,6 +52,7 @@ class SemanticMapper {
   std::vector<NodeView> nodes_;
   SemanticLayers layers_;
   Identities identities_;
+  DoorStates door_states_;
 };
 
 }  // namespace modslam
