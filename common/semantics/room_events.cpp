@@ -19,15 +19,21 @@ std::set<std::int64_t> ids_of(const std::vector<Room>& rooms) {
   return ids;
 }
 
+struct Box {
+  Eigen::Vector2d low{1e300, 1e300}, high{-1e300, -1e300};
+  explicit Box(const Room& room) {
+    for (const Eigen::Vector2d& p : room.outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  }
+  bool meets(const Box& other) const { return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all(); }
+};
+
 /// Whether more than half of a grid of points in `part` lies in `whole`.
-bool is_mostly_in(const Room& part, const Room& whole) {
-  if (part.outline.empty() || whole.outline.empty()) return false;
-  Eigen::Vector2d low = part.outline[0], high = low;
-  for (const Eigen::Vector2d& p : part.outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const double step = std::max(kFinest_m, (high - low).maxCoeff() / kMostSteps);
+bool is_mostly_in(const Room& part, const Box& box, const Room& whole) {
+  if (!box.meets(Box(whole))) return false;
+  const double step = std::max(kFinest_m, (box.high - box.low).maxCoeff() / kMostSteps);
   int in_part = 0, in_both = 0;
-  for (double y = low.y() + 0.5 * step; y < high.y(); y += step)
-    for (double x = low.x() + 0.5 * step; x < high.x(); x += step) {
+  for (double y = box.low.y() + 0.5 * step; y < box.high.y(); y += step)
+    for (double x = box.low.x() + 0.5 * step; x < box.high.x(); x += step) {
       if (!contains(part.outline, {x, y})) continue;
       ++in_part;
       in_both += contains(whole.outline, {x, y});
@@ -41,7 +47,8 @@ std::map<std::int64_t, std::vector<std::int64_t>> gathered(const std::vector<Roo
   std::map<std::int64_t, std::vector<std::int64_t>> in;
   for (const Room& part : parts) {
     if (known.count(part.id)) continue;
-    const auto whole = std::find_if(wholes.begin(), wholes.end(), [&](const Room& room) { return is_mostly_in(part, room); });
+    const Box box(part);
+    const auto whole = std::find_if(wholes.begin(), wholes.end(), [&](const Room& room) { return is_mostly_in(part, box, room); });
     if (whole != wholes.end()) in[whole->id].push_back(part.id);
   }
   for (auto& [whole, ids] : in) {

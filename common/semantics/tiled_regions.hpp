@@ -24,7 +24,7 @@ class TiledRegions {
  public:
   static constexpr int kTile = 64;
 
-  /// @param mask  the raster. @param changed  where it changed since the last call.
+  /// @param mask  the raster, cells are 0 or 255. @param changed  where it changed since the last call.
   void update(const cv::Mat1b& mask, const Boxes& changed);
 
   const std::vector<Region>& regions() const { return regions_; }   ///< number k stands at k - 1
@@ -55,7 +55,7 @@ class TiledRegions {
   void join();
 
   int columns_ = 0, round_ = 0;
-  cv::Mat1i local_;
+  cv::Mat1w local_;
   std::vector<Tile> tiles_;
   std::vector<int> numbers_;  ///< region of each piece
   std::vector<Region> regions_;
