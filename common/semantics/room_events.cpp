@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "common/semantics/room_finder.hpp"
 
@@ -13,9 +12,11 @@ namespace {
 constexpr double kMostly = 0.5, kFinest_m = 0.2;
 constexpr int kMostSteps = 40;
 
-std::set<std::int64_t> ids_of(const std::vector<Room>& rooms) {
-  std::set<std::int64_t> ids;
-  for (const Room& room : rooms) ids.insert(room.id);
+/// Rising.
+std::vector<std::int64_t> ids_of(const std::vector<Room>& rooms) {
+  std::vector<std::int64_t> ids;
+  for (const Room& room : rooms) ids.push_back(room.id);
+  std::sort(ids.begin(), ids.end());
   return ids;
 }
 
@@ -43,16 +44,17 @@ bool is_mostly_in(const Room& part, const Box& box, const Room& whole) {
 
 /// Of rooms that are in one list only: the room of the other list that they mostly lie in, and all that lie in it.
 std::map<std::int64_t, std::vector<std::int64_t>> gathered(const std::vector<Room>& parts, const std::vector<Room>& wholes) {
-  const std::set<std::int64_t> known = ids_of(wholes), elsewhere = ids_of(parts);
+  const std::vector<std::int64_t> known = ids_of(wholes), elsewhere = ids_of(parts);
+  const auto has = [](const std::vector<std::int64_t>& ids, std::int64_t id) { return std::binary_search(ids.begin(), ids.end(), id); };
   std::map<std::int64_t, std::vector<std::int64_t>> in;
   for (const Room& part : parts) {
-    if (known.count(part.id)) continue;
+    if (has(known, part.id)) continue;
     const Box box(part);
     const auto whole = std::find_if(wholes.begin(), wholes.end(), [&](const Room& room) { return is_mostly_in(part, box, room); });
     if (whole != wholes.end()) in[whole->id].push_back(part.id);
   }
   for (auto& [whole, ids] : in) {
-    if (elsewhere.count(whole)) ids.push_back(whole);
+    if (has(elsewhere, whole)) ids.push_back(whole);
     std::sort(ids.begin(), ids.end());
   }
   return in;

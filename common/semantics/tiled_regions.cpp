@@ -155,10 +155,10 @@ void TiledRegions::update(const cv::Mat1b& mask, const Boxes& changed) {
   join();
 }
 
-std::vector<int> TiledRegions::numbers_in(int tile) const {
+void TiledRegions::numbers_in(int tile, std::vector<int>& numbers) const {
   const Tile& t = tiles_[static_cast<std::size_t>(tile)];
   const auto first = numbers_.begin() + t.first;
-  return {first, first + static_cast<std::ptrdiff_t>(t.cells.size())};
+  numbers.assign(first, first + static_cast<std::ptrdiff_t>(t.cells.size()));
 }
 
 cv::Mat1b TiledRegions::mask_of(int region, const cv::Rect& box) const {

@@ -39,8 +39,9 @@ class TiledRegions {
   cv::Rect tile_box(int tile) const { return cv::Rect(tile % columns_ * kTile, tile / columns_ * kTile, kTile, kTile) & cv::Rect({0, 0}, local_.size()); }
   int stamp(int tile) const { return tiles_[static_cast<std::size_t>(tile)].stamp; }
   /// Numbers of the regions of a tile's own pieces.
-  std::vector<int> numbers_in(int tile) const;
-  int local(const cv::Point& c) const { return local_(c); }
+  void numbers_in(int tile, std::vector<int>& numbers) const;
+  /// Numbers of the pieces in a row of cells, each from 1 in its own tile; 0: none.
+  const std::uint16_t* pieces(int row) const { return local_[row]; }
 
  private:
   struct Tile {
