@@ -14,17 +14,17 @@ static_assert(OccupancyMap::kTileCells == 1 << kTileShift, "cells find their til
 void OccupancyMap::clear() {
   tiles_.clear();
   changed_.clear();
-  last_tile_ = nullptr;
+  forget_near();
 }
 
 inline OccupancyMap::Cell& OccupancyMap::cell(int i, int j) {
-  const int x = i >> kTileShift, y = j >> kTileShift;  // rounds down, for negative cells too
-  if (!last_tile_ || x != last_index_.first || y != last_index_.second) {
-    last_index_ = {x, y};
-    last_tile_ = &tiles_[last_index_];
-    changed_.insert(last_index_);
+  const TileIndex index(i >> kTileShift, j >> kTileShift);  // rounds down, for negative cells too
+  Near& near = near_[static_cast<std::size_t>((index.first & (kNear - 1)) + kNear * (index.second & (kNear - 1)))];
+  if (!near.tile || near.index != index) {
+    near = {index, &tiles_[index]};
+    changed_.insert(index);
   }
-  return (*last_tile_)[static_cast<std::size_t>(((j & kTileMask) << kTileShift) + (i & kTileMask))];
+  return (*near.tile)[static_cast<std::size_t>(((j & kTileMask) << kTileShift) + (i & kTileMask))];
 }
 
 /// Scans of one laser point the same way: its directions are computed once.
@@ -38,7 +38,7 @@ void OccupancyMap::aim(const Scan& scan) {
 }
 
 void OccupancyMap::draw(const Scan& scan, const SensorInfo& sensor, const Pose2& T_map_base, int sign) {
-  last_tile_ = nullptr;  // so that every touched tile is noted as changed
+  forget_near();  // so that every touched tile is noted as changed
   const Pose2 T_map_laser = T_map_base * sensor.T_base_laser;
   const PointMover to_map(T_map_laser);
   aim(scan);
@@ -51,37 +51,36 @@ void OccupancyMap::draw(const Scan& scan, const SensorInfo& sensor, const Pose2&
   }
 }
 
-/// Visits every cell the segment crosses (Amanatides and Woo, Eurographics 1987).
+/// Visits every cell the segment crosses (Amanatides and Woo, Eurographics 1987). Which border comes next is the sign of one fixed-point number, so that
+/// no step waits for a branch that is as good as random.
 void OccupancyMap::draw_beam(const Eigen::Vector2d& from, const Eigen::Vector2d& to, bool ends_there, int sign) {
+  constexpr double kFarthest = 256;  // beam lengths: a border that far is never met
+  const auto fixed = [&](double share) { return static_cast<std::int64_t>(std::min(share, kFarthest) * static_cast<double>(std::int64_t{1} << 52)); };
   const Eigen::Vector2d a = from / resolution_m_, b = to / resolution_m_, d = b - a;
   int i = static_cast<int>(std::floor(a.x())), j = static_cast<int>(std::floor(a.y()));
   const int i_end = static_cast<int>(std::floor(b.x())), j_end = static_cast<int>(std::floor(b.y()));
   const int step_i = d.x() > 0 ? 1 : -1, step_j = d.y() > 0 ? 1 : -1;
-  const double huge = 1e30;
-  const double delta_i = d.x() != 0 ? std::abs(1 / d.x()) : huge, delta_j = d.y() != 0 ? std::abs(1 / d.y()) : huge;
-  double next_i = d.x() != 0 ? (i + (step_i > 0) - a.x()) / d.x() : huge;
-  double next_j = d.y() != 0 ? (j + (step_j > 0) - a.y()) / d.y() : huge;
+  const std::int64_t delta_i = fixed(d.x() != 0 ? std::abs(1 / d.x()) : kFarthest), delta_j = fixed(d.y() != 0 ? std::abs(1 / d.y()) : kFarthest);
+  std::int64_t lead = fixed(d.x() != 0 ? (i + (step_i > 0) - a.x()) / d.x() : kFarthest) - fixed(d.y() != 0 ? (j + (step_j > 0) - a.y()) / d.y() : kFarthest);
   int left = std::abs(i_end - i) + std::abs(j_end - j);  // cells still to enter; exact even where rounding is not
+  // Both places within a tile as one number: bit 6 of each byte is set as long as they are in the tile.
+  constexpr std::uint32_t kInside = 0x4040, kByte = 0xff;
+  const auto along_i = static_cast<std::uint32_t>(step_i), along_j = static_cast<std::uint32_t>(step_j * 256);
+  const std::ptrdiff_t row = step_j * kTileCells, aside = step_i - row;
   while (left > 0) {
-    // Within a tile the cells are steps in memory.
     Cell* at = &cell(i, j);
-    const int row = step_j * kTileCells;
-    const int tile_i = i >> kTileShift, tile_j = j >> kTileShift;
+    const auto x = static_cast<std::uint32_t>(i & kTileMask), y = static_cast<std::uint32_t>(j & kTileMask);
+    std::uint32_t place = (x + kTileCells) | (y + kTileCells) << 8;
     do {
       at->passed += sign;
       --left;
-      if ((next_i < next_j || j == j_end) && i != i_end) {
-        next_i += delta_i;
-        i += step_i;
-        at += step_i;
-        if (i >> kTileShift != tile_i) break;
-      } else {
-        next_j += delta_j;
-        j += step_j;
-        at += row;
-        if (j >> kTileShift != tile_j) break;
-      }
-    } while (left > 0);
+      const std::int64_t i_is_next = lead >> 63;  // all bits or none
+      lead += (i_is_next & (delta_i + delta_j)) - delta_j;
+      at += row + (i_is_next & aside);
+      place += along_j + (static_cast<std::uint32_t>(i_is_next) & (along_i - along_j));
+    } while (left > 0 && (place & kInside) == kInside);
+    i += static_cast<int>(place & kByte) - kTileCells - static_cast<int>(x);
+    j += static_cast<int>(place >> 8 & kByte) - kTileCells - static_cast<int>(y);
   }
   Cell& last = cell(i_end, j_end);
   (ends_there ? last.ended : last.passed) += sign;
@@ -90,7 +89,6 @@ void OccupancyMap::draw_beam(const Eigen::Vector2d& from, const Eigen::Vector2d&
 std::set<OccupancyMap::TileIndex> OccupancyMap::take_changed() {
   std::set<TileIndex> out;
   std::swap(out, changed_);
-  last_tile_ = nullptr;
   return out;
 }
 

@@ -46,14 +46,19 @@ class OccupancyMap {
   void aim(const Scan& scan);
   void draw_beam(const Eigen::Vector2d& from, const Eigen::Vector2d& to, bool ends_there, int sign);
   Cell& cell(int i, int j);
+  void forget_near() { near_.fill({}); }
 
   double resolution_m_, range_limit_m_;
   std::map<TileIndex, Tile> tiles_;
   std::set<TileIndex> changed_;
   std::vector<Eigen::Vector2d> directions_;  ///< of the beams, laser frame
   double aimed_rad0_ = 0, aimed_radstep_ = 0;
-  TileIndex last_index_{0, 0};  ///< beams stay in a tile for many cells
-  Tile* last_tile_ = nullptr;
+  static constexpr int kNear = 8;  ///< tiles of one scan are found by their last digits
+  struct Near {
+    TileIndex index{0, 0};
+    Tile* tile = nullptr;
+  };
+  std::array<Near, kNear * kNear> near_;
 };
 
 }  // namespace modslam

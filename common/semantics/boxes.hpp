@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Boxes of cells, to say where a raster changed and what must be looked at again for it.
 #pragma once
+#include <cstring>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -22,6 +23,12 @@ bool meet(const Boxes& boxes, const cv::Rect& box);
 
 /// Boxes grown by so many cells and cut off at the frame; those that share much become one.
 Boxes windows(const Boxes& boxes, int cells, const cv::Size& frame);
+
+/// The first cell of a row with this value; `end`: none.
+inline const std::uint8_t* find_cell(const std::uint8_t* at, const std::uint8_t* end, int value) {
+  const void* found = std::memchr(at, value, static_cast<std::size_t>(end - at));
+  return found ? static_cast<const std::uint8_t*>(found) : end;
+}
 
 /// Box around the cells in which two pictures of one size differ; empty: they do not.
 cv::Rect difference(const cv::Mat& p, const cv::Mat& q);

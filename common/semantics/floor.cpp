@@ -5,6 +5,8 @@
 #include <iterator>
 #include <opencv2/imgproc.hpp>
 
+#include "common/semantics/chamfer.hpp"
+
 namespace modslam {
 namespace {
 
@@ -129,9 +131,7 @@ FloorChange update_floor(Floor& floor, const KnownSpace& space, double island_ma
   const int farthest = cells(Floor::kFarthest_m);
   for (const cv::Rect& box : windows(change.open, farthest, frame)) {
     const cv::Rect window = grown(box, farthest) & cv::Rect({0, 0}, frame);
-    cv::Mat1f clearance;
-    cv::distanceTransform(floor.open(window), clearance, cv::DIST_L2, 5);
-    take_over(floor.clearance, box, cv::min(clearance(box - window.tl()), static_cast<float>(farthest)), change.clearance);
+    take_over(floor.clearance, box, distances(floor.open(window), static_cast<float>(farthest))(box - window.tl()), change.clearance);
   }
   return change;
 }

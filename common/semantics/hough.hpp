@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "common/scan/scan.hpp"
+#include "common/semantics/hough_votes.hpp"
 
 namespace modslam {
 
@@ -28,9 +28,20 @@ struct LineExtraction {
   std::vector<bool> on_segment;  ///< for each point
 };
 
-/// @param points one scan in beam order, any frame; @param eye where the laser was, same frame; @param radstep angle between beams.
-/// Takes the fullest bucket, fits a line, cuts it at gaps, removes its points, again until no bucket is full enough.
-LineExtraction extract_lines(const std::vector<ScanPoint>& points, const Eigen::Vector2d& eye, double radstep,
-                             const HoughOptions& options);
+/// Takes the fullest bucket, fits a line, cuts it at gaps, removes its points, again until no bucket is full enough. Keeps its tables from scan to scan.
+class LineExtractor {
+ public:
+  explicit LineExtractor(const HoughOptions& options) : options_(options), votes_(options.cell_m, options.cell_rad) {}
+
+  /// @param points one scan in beam order, any frame; @param eye where the laser was, same frame; @param radstep angle between beams.
+  LineExtraction operator()(const std::vector<ScanPoint>& points, const Eigen::Vector2d& eye, double radstep);
+
+ private:
+  HoughOptions options_;
+  HoughVotes votes_;
+};
+
+/// The same for one scan alone.
+LineExtraction extract_lines(const std::vector<ScanPoint>& points, const Eigen::Vector2d& eye, double radstep, const HoughOptions& options);
 
 }  // namespace modslam

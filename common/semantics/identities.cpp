@@ -32,21 +32,36 @@ bool is_same(const Door& p, const Door& q) { return p.a == q.a && p.b == q.b; }
 bool is_same(const Room& p, const Room& q) { return p.outline == q.outline; }
 bool is_same(const Object& p, const Object& q) { return p.outline == q.outline; }
 
-/// What lies just where it lay is the same.
+/// What lies just where it lay is the same. Lists change little from one update to the next: most things follow the one that they followed before, and only
+/// of the others an index is made.
 template <class Thing>
 void keep_same(std::vector<Thing>& now, const std::vector<Thing>& before, std::vector<bool>& taken) {
+  constexpr std::size_t kLookAhead = 12;
+  const auto keep = [&](Thing& thing, std::size_t j) {
+    if (taken[j] || !is_same(thing, before[j])) return false;
+    thing.id = before[j].id;
+    taken[j] = true;
+    return true;
+  };
+  std::size_t expected = 0;
+  std::vector<Thing*> others;
+  for (Thing& thing : now) {
+    const std::size_t end = std::min(before.size(), expected + kLookAhead);
+    std::size_t j = expected;
+    while (j < end && !keep(thing, j)) ++j;
+    if (j < end) expected = j + 1;
+    else others.push_back(&thing);
+  }
+  if (others.empty()) return;
   const auto place_of = [](const Thing& thing) {
     const Box box = box_of(thing);
     return std::array<double, 4>{box.low.x(), box.low.y(), box.high.x(), box.high.y()};
   };
   std::map<std::array<double, 4>, std::size_t> places;
-  for (std::size_t j = 0; j < before.size(); ++j) places.emplace(place_of(before[j]), j);
-  for (Thing& thing : now) {
-    const auto found = places.find(place_of(thing));
-    if (found == places.end() || taken[found->second] || !is_same(thing, before[found->second])) continue;
-    thing.id = before[found->second].id;
-    taken[found->second] = true;
-  }
+  for (std::size_t j = 0; j < before.size(); ++j)
+    if (!taken[j]) places.emplace(place_of(before[j]), j);
+  for (Thing* thing : others)
+    if (const auto found = places.find(place_of(*thing)); found != places.end()) keep(*thing, found->second);
 }
 
 /// Gives each new thing the id of the old thing it is most like, each old id once; `likeness` <= 0: not the same.

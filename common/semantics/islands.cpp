@@ -65,11 +65,11 @@ void each_island(const cv::Mat1b& mask, const Boxes& changed, const IslandLimits
     for (const cv::Rect& box : touched) {
       const cv::Rect part = (box & window) - window.tl();
       for (int y = part.y; y < part.br().y; ++y) {
-        const std::uint8_t* row = mask[y + window.y] + window.x;
-        for (int x = part.x; x < part.br().x; ++x) {
-          // Every set begins a run of cells somewhere: what lies inside the large ones is never looked at.
-          const bool begins = row[x] && (x == part.x || !row[x - 1]);
-          if (begins && !flood.seen({x, y}) && flood.from({x, y})) visit(flood.island(window.tl()));
+        // Every set begins a run of cells somewhere: what lies inside the large ones is never looked at.
+        const std::uint8_t *row = mask[y + window.y] + window.x, *end = row + part.br().x;
+        for (const std::uint8_t* at = row + part.x; (at = find_cell(at, end, 255)) != end; at = find_cell(at, end, 0)) {
+          const cv::Point seed(static_cast<int>(at - row), y);
+          if (!flood.seen(seed) && flood.from(seed)) visit(flood.island(window.tl()));
         }
       }
     }

@@ -21,7 +21,7 @@ struct IslandLimits {
   int connectivity;   ///< 4 or 8
 };
 
-/// Visits the islands of `mask` that meet or touch `changed`. The mask must stay as it is meanwhile.
+/// Visits the islands of `mask`, whose cells are 0 or 255, that meet or touch `changed`. The mask must stay as it is meanwhile.
 void each_island(const cv::Mat1b& mask, const Boxes& changed, const IslandLimits& limits, const std::function<void(const Island&)>& visit);
 
 }  // namespace modslam

@@ -5,6 +5,8 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "common/semantics/chamfer.hpp"
+
 namespace modslam {
 namespace {
 
@@ -130,15 +132,7 @@ std::vector<cv::Point> rim_cells(const cv::Mat1b& mask) {
   return cells;
 }
 
-double thickness_m(const cv::Mat1b& mask, double resolution_m) {
-  cv::Mat1b padded;
-  cv::Mat1f depth;
-  cv::copyMakeBorder(mask, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
-  cv::distanceTransform(padded, depth, cv::DIST_L2, 3);
-  double deepest = 0;
-  cv::minMaxLoc(depth, nullptr, &deepest);
-  return (2 * deepest - 1) * resolution_m;
-}
+double thickness_m(const cv::Mat1b& mask, double resolution_m) { return (2 * deepest(mask) - 1) * resolution_m; }
 
 double polygon_area_m2(const std::vector<Eigen::Vector2d>& outline) {
   double twice = 0;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <tuple>
 
 #include "common/semantics/cut_features.hpp"
@@ -165,18 +164,23 @@ void OpeningMap::measure(const Index& index, const CutFeatures& features, const 
 
 void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const FloorChange& change, const Boxes& walls_changed) {
   if (floor.open.empty()) return;
-  Boxes corners = retrace(floor, change.open);
-  corners.insert(corners.end(), change.open.begin(), change.open.end());
-  Boxes changed = recollect(floor, corners);
-  for (const Boxes* more : {&change.open, &change.clearance, &change.solid}) changed.insert(changed.end(), more->begin(), more->end());
+  // The large boxes first: who asks whether any is near needs no more.
+  Boxes corners = change.open, changed = change.open;
+  const auto add = [](Boxes& boxes, const Boxes& more) { boxes.insert(boxes.end(), more.begin(), more.end()); };
+  add(corners, retrace(floor, change.open));
+  for (const Boxes& more : {change.clearance, change.solid, recollect(floor, corners)}) add(changed, more);
 
   const CutFeatures features(floor, space, walls);
   const int reach = static_cast<int>(max_width_m_ / floor.resolution_m) + 2;
   const int look = reach + static_cast<int>(std::max(kFarthestLook_m, 4 * max_width_m_) / floor.resolution_m) + 2;
-  const auto near = [](const Boxes& boxes, const cv::Rect& all, const cv::Rect& box) {
+  const auto near = [&](const Boxes& boxes, const cv::Rect& all, const cv::Rect& around) {
+    const cv::Rect box = around & cv::Rect({0, 0}, floor.open.size());
     Boxes out;
     if (!meet(all, box)) return out;
-    std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(out), [&](const cv::Rect& other) { return meet(other, box); });
+    for (const cv::Rect& other : boxes) {
+      if ((other & box) == box) return Boxes{box};
+      if (meet(other, box)) out.push_back(other);
+    }
     return out;
   };
   const cv::Rect all_changed = bounds(changed), all_walls = bounds(walls_changed);

@@ -212,7 +212,7 @@ std::size_t FloorParter::HashMembers::operator()(const Members& members) const {
 }
 
 /// A region that consists of the same pieces of the same tiles as before keeps its number.
-void FloorParter::number_regions(const std::vector<int>& roots, const std::set<int>& slots) {
+void FloorParter::number_regions(const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts) {
   const std::vector<Region>& raw = tiles_.regions();
   std::vector<Members> members(roots.size());
   std::vector<FloorRegion> joined(roots.size());
@@ -224,6 +224,11 @@ void FloorParter::number_regions(const std::vector<int>& roots, const std::set<i
     whole.box |= region.box;
     whole.cells += region.cells;
     whole.parking = whole.parking || slots.count(static_cast<int>(k)) > 0;
+  }
+  for (const CutOpening& cut : cuts) {
+    const int left = roots[static_cast<std::size_t>(cut.left)], right = roots[static_cast<std::size_t>(cut.right)];
+    if (left == 0 || right == 0 || left == right) continue;
+    for (const int side : {left, right}) ++joined[static_cast<std::size_t>(side)].ways;
   }
   std::unordered_map<Members, int, HashMembers> numbers(numbers_.size());
   std::vector<int> number_of_root(roots.size(), 0);
@@ -247,9 +252,10 @@ Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, std::vecto
   painted_.resize(static_cast<std::size_t>(tiles_.tile_count()));
   painted_stamp_.resize(painted_.size(), 0);
   std::vector<cv::Mat1i> before;
+  std::vector<int> numbers;
   for (int tile = 0; tile < tiles_.tile_count(); ++tile) {
     const auto t = static_cast<std::size_t>(tile);
-    std::vector<int> numbers = tiles_.numbers_in(tile);
+    tiles_.numbers_in(tile, numbers);
     for (int& number : numbers) number = number_of_[static_cast<std::size_t>(number)];
     const cv::Rect box = tiles_.tile_box(tile);
     if (painted_[t] == numbers && painted_stamp_[t] == tiles_.stamp(tile) && !meet(stirred, box)) continue;
@@ -257,11 +263,12 @@ Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, std::vecto
     painted_stamp_[t] = tiles_.stamp(tile);
     before.push_back(partition_.labels(box).clone());
     repainted.push_back(box);
-    for (int y = box.y; y < box.br().y; ++y)
-      for (int x = box.x; x < box.br().x; ++x) {
-        const int local = tiles_.local({x, y});
-        partition_.labels(y, x) = local ? numbers[static_cast<std::size_t>(local - 1)] : 0;
-      }
+    numbers.insert(numbers.begin(), 0);
+    for (int y = box.y; y < box.br().y; ++y) {
+      const std::uint16_t* pieces = tiles_.pieces(y);
+      int* labels = partition_.labels[y];
+      for (int x = box.x; x < box.br().x; ++x) labels[x] = numbers[pieces[x]];
+    }
   }
   for (const CutLine& cut : healed) {
     if (!meet(repainted, box_of(cut, space, 0))) continue;
@@ -318,7 +325,7 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
   join_small_regions(cuts, area_m2, options_.min_room_m2, regions);
   std::vector<int> roots(raw.size() + 1);
   for (std::size_t k = 0; k < roots.size(); ++k) roots[k] = regions.root(static_cast<int>(k));
-  number_regions(roots, slots);
+  number_regions(roots, slots, cuts);
 
   partition_.cuts.clear();
   for (CutOpening& cut : cuts) {
@@ -347,11 +354,9 @@ Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vec
 }
 
 std::set<int> glimpses(const Partition& partition, double cell_m, double most_m2) {
-  std::map<int, int> ways;
-  for (const CutOpening& cut : partition.cuts) ++ways[cut.left], ++ways[cut.right];
   std::set<int> out;
-  for (const auto& [region, count] : ways)
-    if (count == 1 && partition.regions.at(region).cells * cell_m * cell_m < most_m2) out.insert(region);
+  for (const auto& [number, region] : partition.regions)
+    if (region.ways == 1 && region.cells * cell_m * cell_m < most_m2) out.insert(number);
   return out;
 }
 

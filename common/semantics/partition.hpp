@@ -23,6 +23,7 @@ struct FloorRegion {
   cv::Rect box;
   int cells = 0;
   bool parking = false;   ///< gaps between parked cars belong to it
+  int ways = 0;           ///< ends of cuts that part it from others
 };
 
 struct Partition {
@@ -77,7 +78,7 @@ class FloorParter {
   double walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const WallSet& walls) const;
   Niche niche_of(const Region& region, int number) const;
   std::set<int> find_slots(const std::vector<CutOpening>& cuts, const Floor& floor);
-  void number_regions(const std::vector<int>& roots, const std::set<int>& slots);
+  void number_regions(const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts);
   Boxes paint(const Floor& floor, const KnownSpace& space, std::vector<CutLine> healed);
 
   PartitionOptions options_;

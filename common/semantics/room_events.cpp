@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "common/semantics/room_finder.hpp"
 
@@ -13,21 +12,29 @@ namespace {
 constexpr double kMostly = 0.5, kFinest_m = 0.2;
 constexpr int kMostSteps = 40;
 
-std::set<std::int64_t> ids_of(const std::vector<Room>& rooms) {
-  std::set<std::int64_t> ids;
-  for (const Room& room : rooms) ids.insert(room.id);
+/// Rising.
+std::vector<std::int64_t> ids_of(const std::vector<Room>& rooms) {
+  std::vector<std::int64_t> ids;
+  for (const Room& room : rooms) ids.push_back(room.id);
+  std::sort(ids.begin(), ids.end());
   return ids;
 }
 
+struct Box {
+  Eigen::Vector2d low{1e300, 1e300}, high{-1e300, -1e300};
+  explicit Box(const Room& room) {
+    for (const Eigen::Vector2d& p : room.outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  }
+  bool meets(const Box& other) const { return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all(); }
+};
+
 /// Whether more than half of a grid of points in `part` lies in `whole`.
-bool is_mostly_in(const Room& part, const Room& whole) {
-  if (part.outline.empty() || whole.outline.empty()) return false;
-  Eigen::Vector2d low = part.outline[0], high = low;
-  for (const Eigen::Vector2d& p : part.outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const double step = std::max(kFinest_m, (high - low).maxCoeff() / kMostSteps);
+bool is_mostly_in(const Room& part, const Box& box, const Room& whole) {
+  if (!box.meets(Box(whole))) return false;
+  const double step = std::max(kFinest_m, (box.high - box.low).maxCoeff() / kMostSteps);
   int in_part = 0, in_both = 0;
-  for (double y = low.y() + 0.5 * step; y < high.y(); y += step)
-    for (double x = low.x() + 0.5 * step; x < high.x(); x += step) {
+  for (double y = box.low.y() + 0.5 * step; y < box.high.y(); y += step)
+    for (double x = box.low.x() + 0.5 * step; x < box.high.x(); x += step) {
       if (!contains(part.outline, {x, y})) continue;
       ++in_part;
       in_both += contains(whole.outline, {x, y});
@@ -37,15 +44,17 @@ bool is_mostly_in(const Room& part, const Room& whole) {
 
 /// Of rooms that are in one list only: the room of the other list that they mostly lie in, and all that lie in it.
 std::map<std::int64_t, std::vector<std::int64_t>> gathered(const std::vector<Room>& parts, const std::vector<Room>& wholes) {
-  const std::set<std::int64_t> known = ids_of(wholes), elsewhere = ids_of(parts);
+  const std::vector<std::int64_t> known = ids_of(wholes), elsewhere = ids_of(parts);
+  const auto has = [](const std::vector<std::int64_t>& ids, std::int64_t id) { return std::binary_search(ids.begin(), ids.end(), id); };
   std::map<std::int64_t, std::vector<std::int64_t>> in;
   for (const Room& part : parts) {
-    if (known.count(part.id)) continue;
-    const auto whole = std::find_if(wholes.begin(), wholes.end(), [&](const Room& room) { return is_mostly_in(part, room); });
+    if (has(known, part.id)) continue;
+    const Box box(part);
+    const auto whole = std::find_if(wholes.begin(), wholes.end(), [&](const Room& room) { return is_mostly_in(part, box, room); });
     if (whole != wholes.end()) in[whole->id].push_back(part.id);
   }
   for (auto& [whole, ids] : in) {
-    if (elsewhere.count(whole)) ids.push_back(whole);
+    if (has(elsewhere, whole)) ids.push_back(whole);
     std::sort(ids.begin(), ids.end());
   }
   return in;

@@ -5,8 +5,18 @@
 
 namespace modslam {
 
+namespace {
+
+HoughOptions line_options(const SemanticsConfig& config) {
+  HoughOptions options;
+  options.min_length_m = config.line_min_m;
+  return options;
+}
+
+}  // namespace
+
 SemanticMapper::SemanticMapper(const SemanticsConfig& config)
-    : config_(config), occupancy_(kCell_m, config.range_limit_m), evidence_(kCell_m), space_(kCell_m), interpreter_(config) {}
+    : config_(config), lines_(line_options(config)), occupancy_(kCell_m, config.range_limit_m), evidence_(kCell_m), space_(kCell_m), interpreter_(config) {}
 
 void SemanticMapper::clear() { *this = SemanticMapper(config_); }
 
@@ -15,9 +25,7 @@ void SemanticMapper::add_node(const Scan& scan, const SensorInfo& sensor, const 
   node.points = points_base(scan, sensor);
   node.points.erase(std::remove_if(node.points.begin(), node.points.end(), [&](const ScanPoint& p) { return p.range_m > config_.range_limit_m; }),
                     node.points.end());
-  HoughOptions hough;
-  hough.min_length_m = config_.line_min_m;
-  node.lines = extract_lines(node.points, sensor.T_base_laser.translation(), std::abs(scan.radstep), hough);
+  node.lines = lines_(node.points, sensor.T_base_laser.translation(), std::abs(scan.radstep));
   DoorSensorOptions doors;
   doors.min_width_m = config_.door_min_m;
   doors.max_width_m = config_.door_max_m;

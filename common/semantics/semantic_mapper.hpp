@@ -45,6 +45,7 @@ class SemanticMapper {
 
   SemanticsConfig config_;
   static constexpr double kCell_m = 0.05;
+  LineExtractor lines_;
   OccupancyMap occupancy_;
   EvidenceGrid evidence_;
   KnownSpace space_;

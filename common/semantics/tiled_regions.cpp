@@ -8,20 +8,71 @@
 
 namespace modslam {
 
+namespace {
+
+/// Cells of a tile's row that are set, side by side.
+struct Run {
+  int y, begin, end;
+  std::size_t parent;  ///< an earlier run of the same piece, or itself
+};
+
+/// The runs of a tile, row by row; those that touch over their sides hang together.
+class Runs {
+ public:
+  explicit Runs(const cv::Mat1b& tile) {
+    std::size_t above = 0, here = 0;  // where the runs of the row before begin, and those of this one
+    for (int y = 0; y < tile.rows; ++y, above = here, here = runs_.size()) {
+      const std::uint8_t *row = tile[y], *end = row + tile.cols;
+      for (const std::uint8_t* at = row; (at = find_cell(at, end, 255)) != end;) {
+        const std::uint8_t* stop = find_cell(at, end, 0);
+        runs_.push_back({y, static_cast<int>(at - row), static_cast<int>(stop - row), runs_.size()});
+        for (std::size_t k = above; k < here && runs_[k].begin < runs_.back().end; ++k)
+          if (runs_[k].end > runs_.back().begin) join(k, runs_.size() - 1);
+        at = stop;
+      }
+    }
+  }
+
+  const std::vector<Run>& runs() const { return runs_; }
+  std::size_t root(std::size_t k) const {
+    while (runs_[k].parent != k) k = runs_[k].parent;
+    return k;
+  }
+
+ private:
+  void join(std::size_t p, std::size_t q) {
+    const std::size_t a = root(p), b = root(q);
+    runs_[std::max(a, b)].parent = std::min(a, b);
+  }
+  std::vector<Run> runs_;
+};
+
+}  // namespace
+
+/// Pieces are numbered in the order of their first cells, row by row.
 void TiledRegions::label(int tile, const cv::Mat1b& mask) {
   Tile& t = tiles_[static_cast<std::size_t>(tile)];
   const cv::Rect box = tile_box(tile);
-  cv::Mat1i labels, statistics;
-  cv::Mat1d centres;
-  const int count = cv::connectedComponentsWithStats(mask(box), labels, statistics, centres, 4, CV_32S);
-  labels.copyTo(local_(box));
+  cv::Mat1w labels = local_(box);
+  labels.setTo(0);
   t.stamp = round_;
   t.cells.clear();
   t.boxes.clear();
-  for (int k = 1; k < count; ++k) {
-    t.cells.push_back(statistics(k, cv::CC_STAT_AREA));
-    t.boxes.push_back(cv::Rect(statistics(k, cv::CC_STAT_LEFT), statistics(k, cv::CC_STAT_TOP), statistics(k, cv::CC_STAT_WIDTH), statistics(k, cv::CC_STAT_HEIGHT)) +
-                      box.tl());
+  const Runs found(mask(box));
+  const std::vector<Run>& runs = found.runs();
+  std::vector<std::uint16_t> piece(runs.size());
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const std::size_t root = found.root(k);
+    if (root == k) {
+      t.cells.push_back(0);
+      t.boxes.emplace_back();
+      piece[k] = static_cast<std::uint16_t>(t.cells.size());
+    }
+    piece[k] = piece[root];
+    const Run& run = runs[k];
+    std::fill(labels[run.y] + run.begin, labels[run.y] + run.end, piece[k]);
+    t.cells[piece[k] - 1U] += run.end - run.begin;
+    t.boxes[piece[k] - 1U] |= cv::Rect(box.x + run.begin, box.y + run.y, run.end - run.begin, 1);
   }
 }
 
@@ -85,7 +136,7 @@ void TiledRegions::join() {
 void TiledRegions::update(const cv::Mat1b& mask, const Boxes& changed) {
   ++round_;
   if (local_.size() != mask.size()) {
-    local_ = cv::Mat1i(mask.size(), 0);
+    local_ = cv::Mat1w(mask.size(), std::uint16_t{0});
     columns_ = (mask.cols + kTile - 1) / kTile;
     tiles_.assign(static_cast<std::size_t>(columns_ * ((mask.rows + kTile - 1) / kTile)), {});
   }
@@ -104,10 +155,10 @@ void TiledRegions::update(const cv::Mat1b& mask, const Boxes& changed) {
   join();
 }
 
-std::vector<int> TiledRegions::numbers_in(int tile) const {
+void TiledRegions::numbers_in(int tile, std::vector<int>& numbers) const {
   const Tile& t = tiles_[static_cast<std::size_t>(tile)];
   const auto first = numbers_.begin() + t.first;
-  return {first, first + static_cast<std::ptrdiff_t>(t.cells.size())};
+  numbers.assign(first, first + static_cast<std::ptrdiff_t>(t.cells.size()));
 }
 
 cv::Mat1b TiledRegions::mask_of(int region, const cv::Rect& box) const {

@@ -24,7 +24,7 @@ class TiledRegions {
  public:
   static constexpr int kTile = 64;
 
-  /// @param mask  the raster. @param changed  where it changed since the last call.
+  /// @param mask  the raster, cells are 0 or 255. @param changed  where it changed since the last call.
   void update(const cv::Mat1b& mask, const Boxes& changed);
 
   const std::vector<Region>& regions() const { return regions_; }   ///< number k stands at k - 1
@@ -39,8 +39,9 @@ class TiledRegions {
   cv::Rect tile_box(int tile) const { return cv::Rect(tile % columns_ * kTile, tile / columns_ * kTile, kTile, kTile) & cv::Rect({0, 0}, local_.size()); }
   int stamp(int tile) const { return tiles_[static_cast<std::size_t>(tile)].stamp; }
   /// Numbers of the regions of a tile's own pieces.
-  std::vector<int> numbers_in(int tile) const;
-  int local(const cv::Point& c) const { return local_(c); }
+  void numbers_in(int tile, std::vector<int>& numbers) const;
+  /// Numbers of the pieces in a row of cells, each from 1 in its own tile; 0: none.
+  const std::uint16_t* pieces(int row) const { return local_[row]; }
 
  private:
   struct Tile {
@@ -55,7 +56,7 @@ class TiledRegions {
   void join();
 
   int columns_ = 0, round_ = 0;
-  cv::Mat1i local_;
+  cv::Mat1w local_;
   std::vector<Tile> tiles_;
   std::vector<int> numbers_;  ///< region of each piece
   std::vector<Region> regions_;
