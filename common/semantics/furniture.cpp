@@ -12,6 +12,7 @@ using Vec = Eigen::Vector2d;
 
 constexpr double kLongDepth_m = 1.3;                        // depth behind a long front (counters, shelves) ...
 constexpr double kBulky_m = 2.6, kBulkyDepth_m = 2.2;       // ... when it is not (beds, cupboards) ...
+constexpr double kLongestCounter_m = 8.0, kCounterDepth_m = 2.2, kBesideCounter_m = 0.5, kShareBesideCounter = 0.3;  // counters: wall is seen at both their ends
 constexpr double kCarFrom_m = 1.4, kCarTo_m = 2.3, kCarDepth_m = 5.2;  // ... and of a parked car
 constexpr double kBesideBack_m = 1.0, kPastBack_m = 0.5;
 const double kSameWay = std::cos(0.15);
@@ -23,7 +24,8 @@ constexpr double kSmallGroup_m = 4.0;                       // a group of faces 
 constexpr double kNext_m = kDoor_m + 0.3;                   // faces of one group are this near
 
 double deepest_m(double front_m) {
-  if (front_m > kLongestFront_m) return 0;
+  if (front_m > kLongestCounter_m) return 0;
+  if (front_m > kLongestFront_m) return kCounterDepth_m;
   if (front_m > kCarFrom_m && front_m < kCarTo_m) return kCarDepth_m;
   return front_m < kBulky_m ? kBulkyDepth_m : kLongDepth_m;
 }
@@ -103,26 +105,33 @@ std::optional<FurnitureMap::Niche> FurnitureMap::niche_of(const Wall& front, con
     const Niche niche{back.a, d, out, d.dot(front.a - back.a), d.dot(front.b - back.a), out.dot(0.5 * (front.a + front.b) - back.a)};
     if (niche.depth < kLeastDepth_m || niche.depth > deepest || (found && order(*found) < order(niche))) continue;
     if (niche.low > back.length_m() + kPastBack_m || niche.high < -kPastBack_m) continue;
-    if (free_between(front, 0.5 * niche.depth * out, is_free) > 0.3 || length_behind(front, back, niche) < 0.5 * length_m) continue;
+    if (free_between(front, 0.5 * niche.depth * out, is_free) > 0.3 || !is_wall_behind(front, back, niche)) continue;
     found = niche;
   }
   return found;
 }
 
-double FurnitureMap::length_behind(const Wall& front, const Wall& back, const Niche& niche) const {
+/// Beside the front, in line with its back, wall was seen: half as long as the front; a long one shows it at both ends.
+bool FurnitureMap::is_wall_behind(const Wall& front, const Wall& back, const Niche& niche) const {
   std::vector<double> lengths;
+  double before_m = 0, beyond_m = 0;
   const Vec low_end = niche.origin + niche.low * niche.along, high_end = niche.origin + niche.high * niche.along;
   for (const std::size_t k : walls_.near(low_end, high_end, kBesideBack_m + 2 * kInLine_m)) {
     const Wall& wall = walls_[k];
     if (!meet(box_of(front), box_of(wall), reach_m(front.length_m()))) continue;
     if (niche.along.dot(wall.direction()) < 0.99 || std::abs(niche.out.dot(0.5 * (wall.a + wall.b) - back.a)) > kInLine_m) continue;
     const double low = niche.along.dot(wall.a - niche.origin), high = niche.along.dot(wall.b - niche.origin);
-    if (low < niche.high + kBesideBack_m && high > niche.low - kBesideBack_m) lengths.push_back(wall.length_m());
+    if (low > niche.high + kBesideBack_m || high < niche.low - kBesideBack_m) continue;
+    lengths.push_back(wall.length_m());
+    before_m = std::max(before_m, niche.low - low);
+    beyond_m = std::max(beyond_m, high - niche.high);
   }
+  if (front.length_m() > kLongestFront_m)
+    return std::min(before_m, beyond_m) > kBesideCounter_m && before_m + beyond_m > kShareBesideCounter * front.length_m();
   std::sort(lengths.begin(), lengths.end());  // the sum does not depend on who came first
   double sum = 0;
   for (const double length : lengths) sum += length;
-  return sum;
+  return sum >= 0.5 * front.length_m();
 }
 
 bool FurnitureMap::is_side(const Wall& wall) const {

@@ -9,7 +9,7 @@
 
 namespace modslam {
 
-/// A longer straight face is a wall whatever seems to lie behind it.
+/// A longer straight face is a wall whatever seems to lie behind it, unless wall is seen in line at both its ends, behind it: a counter.
 constexpr double kLongestFront_m = 5.5;
 
 /// A box of the plan, with sides along x and y [m].
@@ -38,7 +38,7 @@ class FurnitureMap {
   using Numbers = std::vector<std::size_t>;
 
   std::optional<Niche> niche_of(const Wall& front, const IsFree& is_free) const;
-  double length_behind(const Wall& front, const Wall& back, const Niche& niche) const;
+  bool is_wall_behind(const Wall& front, const Wall& back, const Niche& niche) const;
   bool is_side(const Wall& wall) const;
   bool is_part(std::size_t number) const { return niches_[number] || side_[number]; }
   Numbers near(const std::vector<PlanBox>& boxes, double margin_m) const;

@@ -2,7 +2,9 @@
 #include "common/semantics/object_finder.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <tuple>
 
 #include "common/semantics/object_class.hpp"
 
@@ -10,7 +12,36 @@ namespace modslam {
 namespace {
 
 constexpr double kMinArea_m2 = 0.03;
+constexpr double kFillsBox = 0.75;        // what stands against a piece of wall fills its box, as discs do
 constexpr double kWallThickness_m = 0.5, kWallExtent_m = 1.2;  // thin and long: a piece of wall between two doors
+
+/// What of an island may be an object: all of it, or, where it has thin and long arms, what is thick. Such arms are wall, with furniture against it.
+std::vector<Island> bodies_of(const Island& island, double cell_m) {
+  if (std::max(island.box.width, island.box.height) * cell_m <= kWallExtent_m) return {island};
+  const int disc = 2 * static_cast<int>(std::lround(kWallThickness_m / cell_m / 2)) + 1;
+  cv::Mat1b all, thick, arms;
+  cv::copyMakeBorder(island.mask, all, disc, disc, disc, disc, cv::BORDER_CONSTANT, 0);
+  cv::morphologyEx(all, thick, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {disc, disc}));
+  arms = all.clone();
+  arms.setTo(0, thick);
+  cv::Mat1i labels, stats;
+  cv::Mat centres;
+  const auto extent_m = [&](int k) { return std::max(stats(k, cv::CC_STAT_WIDTH), stats(k, cv::CC_STAT_HEIGHT)) * cell_m; };
+  bool has_wall = false;
+  for (int k = cv::connectedComponentsWithStats(arms, labels, stats, centres, 8, CV_32S) - 1; k > 0; --k) has_wall = has_wall || extent_m(k) > kWallExtent_m;
+  if (!has_wall) return {island};
+  std::vector<Island> out;
+  const int count = cv::connectedComponentsWithStats(thick, labels, stats, centres, 8, CV_32S);
+  for (int k = 1; k < count; ++k) {
+    const cv::Rect box(stats(k, cv::CC_STAT_LEFT), stats(k, cv::CC_STAT_TOP), stats(k, cv::CC_STAT_WIDTH), stats(k, cv::CC_STAT_HEIGHT));
+    Island body{box + island.box.tl() - cv::Point(disc, disc), {}, stats(k, cv::CC_STAT_AREA)};
+    cv::inRange(labels(box), k, k, body.mask);
+    const cv::Size2f sides = cv::minAreaRect(rim_cells(body.mask)).size;
+    if (body.cells < kFillsBox * (sides.width + 1) * (sides.height + 1)) return {};  // a block of building
+    out.push_back(body);
+  }
+  return out;
+}
 
 /// An island as an object; none when it is a speck, a piece of wall, or a shadow that no beam touched.
 bool make_object(const Island& island, const KnownSpace& space, const Floor& floor, Object& object) {
@@ -41,26 +72,30 @@ Boxes update_objects(ObjectMap& map, const KnownSpace& space, const Floor& floor
   const Boxes touched = windows(changed, 1, frame);
   Boxes stirred;
   const auto is_touched = [&](const ObjectMap::Footprint& footprint) {
-    const Island& island = footprint.island;
+    const Island &island = footprint.island, &whole = footprint.whole;
     const bool touches = std::any_of(touched.begin(), touched.end(), [&](const cv::Rect& box) {
-      const cv::Rect common = (box & island.box) - island.box.tl();
-      return common.area() > 0 && cv::countNonZero(island.mask(common)) > 0;
+      const cv::Rect common = (box & whole.box) - whole.box.tl();
+      return common.area() > 0 && cv::countNonZero(whole.mask(common)) > 0;
     });
     if (touches) map.mask(island.box).setTo(0, island.mask), stirred.push_back(island.box);
     return touches;
   };
   map.objects.erase(std::remove_if(map.objects.begin(), map.objects.end(), is_touched), map.objects.end());
-  for (const Island& island : islands) {
-    ObjectMap::Footprint found{island, {}};
+  for (const Island& whole : islands) {
     cv::Mat1b known;
-    cv::bitwise_and(map.mask(island.box), island.mask, known);
-    if (cv::countNonZero(known) > 0 || !make_object(island, space, floor, found.object)) continue;
-    map.mask(island.box).setTo(255, island.mask);
-    stirred.push_back(island.box);
-    map.objects.push_back(found);
+    cv::bitwise_and(map.mask(whole.box), whole.mask, known);
+    if (cv::countNonZero(known) > 0) continue;
+    for (const Island& island : bodies_of(whole, space.resolution_m)) {
+      ObjectMap::Footprint found{island, whole, {}};
+      if (!make_object(island, space, floor, found.object)) continue;
+      map.mask(island.box).setTo(255, island.mask);
+      stirred.push_back(island.box);
+      map.objects.push_back(found);
+    }
   }
   std::sort(map.objects.begin(), map.objects.end(), [](const auto& p, const auto& q) {
-    return std::pair(p.island.box.y, p.island.box.x) < std::pair(q.island.box.y, q.island.box.x);
+    const auto order = [](const Island& island) { return std::tuple(island.box.y, island.box.x, island.cells); };
+    return order(p.island) < order(q.island);
   });
   return stirred;
 }

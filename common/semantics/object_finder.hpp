@@ -10,7 +10,8 @@ namespace modslam {
 
 struct ObjectMap {
   struct Footprint {
-    Island island;
+    Island island;                 ///< what it covers
+    Island whole;                  ///< that and the pieces of wall it hangs on
     Object object;
   };
   std::vector<Footprint> objects;  ///< from top to bottom, from left to right
