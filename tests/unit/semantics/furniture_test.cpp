@@ -78,3 +78,12 @@ TEST_CASE("a wall keeps its number while others come and go, and is found near i
   REQUIRE(set.near({0, 0}, {1, 0}, 0.5).empty());
   REQUIRE(set.update({first[1], wall(9, 9, 12, 9)}).empty());
 }
+
+TEST_CASE("a long counter is furniture where wall is seen in line behind both its ends, else a wall") {
+  const Wall front = wall(3, 0.7, 9, 0.7), before = wall(0, 0, 3, 0), beyond = wall(9, 0, 12, 0), across = wall(20, 9, 0, 9);
+  REQUIRE(find_furniture({before, front, beyond, across}, nowhere_free)[1]);
+  REQUIRE_FALSE(find_furniture({before, front, across}, nowhere_free)[1]);
+  REQUIRE_FALSE(find_furniture({before, front, beyond, across}, [](const Eigen::Vector2d&) { return true; })[1]);
+  const Wall longer = wall(3, 0.7, 12, 0.7);
+  REQUIRE_FALSE(find_furniture({before, longer, wall(12, 0, 15, 0), across}, nowhere_free)[1]);
+}
