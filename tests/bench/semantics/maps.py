@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 CELL_M = 0.05
+NEAR_LABELS_M = 1.0  # doors farther from labelled floor do not count
 LEAST_CELLS = 100  # smaller regions of truth or result do not count
 
 
@@ -128,8 +129,8 @@ def room_scores(m, features):
 
 
 def door_scores(m, features):
-    """Centres within 0.5 m, one to one, nearest first; found doors more than 1 m from labelled floor do not count."""
-    near = cv2.dilate((m.labels > 0).astype(np.uint8), np.ones((41, 41), np.uint8))
+    """Centres within 0.5 m, one to one, nearest first; those far from labelled floor do not count."""
+    near = cv2.distanceTransform((m.labels == 0).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE) <= NEAR_LABELS_M / CELL_M
     centres = []
     for f in features:
         if f["properties"]["kind"] == "door":
