@@ -198,8 +198,10 @@ void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallS
     Boxes out;
     if (!meet(all, box)) return out;
     for (const cv::Rect& other : boxes) {
-      if ((other & box) == box) return Boxes{box};
-      if (meet(other, box)) out.push_back(other);
+      const cv::Rect here = other & box;
+      if (here == box) return Boxes{box};
+      const auto holds = [&](const cv::Rect& larger) { return (larger & here) == here; };
+      if (here.area() > 0 && std::none_of(out.begin(), out.end(), holds)) out.push_back(other);
     }
     return out;
   };
