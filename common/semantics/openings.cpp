@@ -48,14 +48,30 @@ void note_news(const std::vector<Thing>& before, const std::vector<Thing>& now, 
   note(now, before);
 }
 
-/// Cuts from one corner, shortest first.
-void keep_shortest(const Floor& floor, std::vector<FloorCut>& cuts, std::vector<FloorCut>& kept) {
-  std::sort(cuts.begin(), cuts.end(), [](const FloorCut& p, const FloorCut& q) { return order_of(p) < order_of(q); });
-  int count = 0;
-  for (const FloorCut& cut : cuts) {
-    if (!is_clear(floor, cut.a, cut.b)) continue;
-    if (++count > kPerCorner) break;
-    if (!cut.to_corner || order_of(cut.a) < order_of(cut.b)) kept.push_back(cut);  // a cut between corners is met from both
+/// A cut from a corner that may be kept.
+struct Candidate {
+  double length;
+  Vec b;
+  const Corner* corner;   ///< at b; none: it lies on an edge
+  const Edge* edge;
+  auto order() const { return std::tuple(length, b.x(), b.y()); }
+  bool operator<(const Candidate& o) const { return order() > o.order(); }  // so that a heap has the shortest at its top
+};
+
+FloorCut cut_of(const Corner& from, const Candidate& to) {
+  if (to.corner) return {from.p, to.b, from, *to.corner};
+  return {from.p, to.b, from, {}, false, (to.edge->b - to.edge->a).normalized()};
+}
+
+/// The shortest cuts from one corner that are clear.
+void keep_shortest(const Floor& floor, const Corner& from, std::vector<Candidate>& cuts, std::vector<FloorCut>& kept) {
+  std::make_heap(cuts.begin(), cuts.end());
+  for (int count = 0; !cuts.empty() && count < kPerCorner; cuts.pop_back()) {
+    std::pop_heap(cuts.begin(), cuts.end());
+    const Candidate& cut = cuts.back();
+    if (!is_clear(floor, from.p, cut.b)) continue;
+    ++count;
+    if (!cut.corner || order_of(from.p) < order_of(cut.b)) kept.push_back(cut_of(from, cut));  // a cut between corners is met from both
   }
 }
 
@@ -108,24 +124,28 @@ Boxes OpeningMap::recollect(const Floor& floor, const Boxes& changed) {
   for (auto& [index, block] : blocks_) {
     if (!meet(all, grown(block.box, static_cast<int>(reach) + 2)) || !meet(changed, grown(block.box, static_cast<int>(reach) + 2))) continue;
     std::vector<FloorCut> cuts;
+    std::vector<Candidate> to_corners, to_edges;
     const std::vector<const Block*> neighbours = around(index);
     for (const Corner& corner : block.outline.corners) {
-      std::vector<FloorCut> to_corners, to_edges;
-      const auto fits = [&](const FloorCut& cut) { return cut.length() >= shortest && cut.length() <= reach; };
+      to_corners.clear();
+      to_edges.clear();
+      const auto length_of = [&](const Vec& end) { return (end - corner.p).norm(); };
+      const auto fits = [&](double length) { return length >= shortest && length <= reach; };
       const cv::Rect near = grown(box_of(corner), static_cast<int>(reach) + 1);
       for (const Block* other : neighbours) {
         if (!meet(near, other->box)) continue;
         for (const Corner& end : other->outline.corners)
-          if (const FloorCut cut{corner.p, end.p, corner, end}; fits(cut)) to_corners.push_back(cut);
+          if (const double length = length_of(end.p); fits(length)) to_corners.push_back({length, end.p, &end, nullptr});
         for (const Edge& edge : other->outline.edges) {
           const Vec d = edge.b - edge.a;
           const double share = d.dot(corner.p - edge.a) / d.squaredNorm();
-          const FloorCut cut{corner.p, edge.a + share * d, corner, {}, false, d.normalized()};
-          if (share > 0.02 && share < 0.98 && fits(cut) && is_in(other->box, cut.b)) to_edges.push_back(cut);
+          if (!(share > 0.02 && share < 0.98)) continue;
+          const Vec foot = edge.a + share * d;
+          if (const double length = length_of(foot); fits(length) && is_in(other->box, foot)) to_edges.push_back({length, foot, nullptr, &edge});
         }
       }
-      keep_shortest(floor, to_corners, cuts);
-      keep_shortest(floor, to_edges, cuts);
+      keep_shortest(floor, corner, to_corners, cuts);
+      keep_shortest(floor, corner, to_edges, cuts);
     }
     drop_twins(cuts, kTwins_m / floor.resolution_m);
     note_news(block.cuts, cuts, news);
@@ -178,8 +198,10 @@ void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallS
     Boxes out;
     if (!meet(all, box)) return out;
     for (const cv::Rect& other : boxes) {
-      if ((other & box) == box) return Boxes{box};
-      if (meet(other, box)) out.push_back(other);
+      const cv::Rect here = other & box;
+      if (here == box) return Boxes{box};
+      const auto holds = [&](const cv::Rect& larger) { return (larger & here) == here; };
+      if (here.area() > 0 && std::none_of(out.begin(), out.end(), holds)) out.push_back(other);
     }
     return out;
   };
