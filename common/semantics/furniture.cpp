@@ -252,6 +252,30 @@ std::vector<bool> FurnitureMap::update(const std::vector<Wall>& walls, const IsF
   return flags;
 }
 
+std::vector<std::array<Vec, 4>> FurnitureMap::footprints() const {
+  Numbers known;
+  for (const std::size_t k : walls_.numbers())
+    if (niches_[k] && !side_[k]) known.push_back(k);
+  const auto order = [&](std::size_t k) {
+    const Niche& n = *niches_[k];
+    return std::tuple(-n.depth, n.origin.x(), n.origin.y(), n.low, n.high);
+  };
+  std::sort(known.begin(), known.end(), [&](std::size_t p, std::size_t q) { return order(p) < order(q); });
+  std::vector<char> taken(niches_.size(), false);
+  std::vector<std::array<Vec, 4>> out;
+  for (const std::size_t k : known) {
+    const Niche& n = *niches_[k];
+    const auto corner = [&](double along, double out_m) -> Vec { return n.origin + along * n.along + out_m * n.out; };
+    // What lies behind another front is the same thing seen twice.
+    const Vec middle = corner(0.5 * (n.low + n.high), 0.5 * n.depth);
+    const Numbers near = niche_index_.near(middle, middle, 0);
+    if (std::any_of(near.begin(), near.end(), [&](std::size_t j) { return taken[j] && niches_[j]->holds(middle); })) continue;
+    taken[k] = true;
+    out.push_back({corner(n.low, 0), corner(n.high, 0), corner(n.high, n.depth), corner(n.low, n.depth)});
+  }
+  return out;
+}
+
 std::vector<bool> find_furniture(const std::vector<Wall>& walls, const FurnitureMap::IsFree& is_free) { return FurnitureMap().update(walls, is_free, {}); }
 
 }  // namespace modslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Straight faces that are no walls: fronts and sides of what stands before a wall, and small groups of faces that stand alone.
 #pragma once
+#include <array>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -25,6 +26,9 @@ class FurnitureMap {
 
   /// @param changed  where answers of is_free may be new since the last call. @return one flag a wall.
   std::vector<bool> update(const std::vector<Wall>& walls, const IsFree& is_free, const std::vector<PlanBox>& changed);
+
+  /// Footprints of what stands before walls: corners of the boxes from the fronts to the walls behind, deepest first. Front's length is from corner 0 to 1.
+  std::vector<std::array<Eigen::Vector2d, 4>> footprints() const;
 
  private:
   /// What a front hides: from the line of the wall behind it up to itself.

@@ -2,13 +2,17 @@
 #include "common/semantics/interpret.hpp"
 
 #include <algorithm>
+#include <array>
 #include <opencv2/imgproc.hpp>
+
+#include "common/semantics/object_class.hpp"
 
 namespace modslam {
 namespace {
 
 constexpr double kAtOutline_m = 0.2;  // walls lie this near the outline of their room
 constexpr double kBehind_m = 0.2;     // a face hides what lies this far behind it
+constexpr double kWholeFront_m = 1.2;  // a shorter front may be what a chair leaves to be seen of a longer one
 constexpr double kNewsTogether_m = 1.0;  // changes this near are looked at as one
 
 WallMapOptions wall_options(const SemanticsConfig& config) {
@@ -87,6 +91,19 @@ std::vector<Wall> without_faces(const std::vector<const WallBand*>& bands, const
     for (const Wall& wall : band->walls)
       if (!wall.on_object || (!all_stay && !stands_on(wall, space, is_object))) out.push_back(wall);
   return out;
+}
+
+/// What stands before a wall, as an object.
+Object at_wall(const std::array<Eigen::Vector2d, 4>& ring) {
+  Object object;
+  object.outline.assign(ring.begin(), ring.end());
+  object.area_m2 = polygon_area_m2(object.outline);
+  const double front_m = (ring[1] - ring[0]).norm();
+  const ObjectClass guess = front_m < kWholeFront_m ? ObjectClass() : classify_footprint(front_m, (ring[2] - ring[1]).norm());
+  object.class_name = guess.name;
+  object.class_confidence = guess.confidence;
+  object.evidence = 0.5;  // its back was not seen
+  return object;
 }
 
 /// A door leads to rooms; a small space behind it that is none was seen through it and may be anything.
@@ -232,6 +249,7 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   const std::vector<bool> furniture = find_furniture(faces, space, changed);
   for (std::size_t k = 0; k < faces.size(); ++k)
     if (!furniture[k]) layers.walls.push_back(faces[k]);
+  for (const auto& ring : furniture_.footprints()) layers.objects.push_back(at_wall(ring));
 
   WallSet::News news;
   const Boxes walls = take_walls(layers.walls, space, news);

@@ -87,3 +87,15 @@ TEST_CASE("a long counter is furniture where wall is seen in line behind both it
   const Wall longer = wall(3, 0.7, 12, 0.7);
   REQUIRE_FALSE(find_furniture({before, longer, wall(12, 0, 15, 0), across}, nowhere_free)[1]);
 }
+
+TEST_CASE("what stands before a wall has a footprint from its front to the wall, once, whatever else was seen of it") {
+  const std::vector<Wall> walls = {wall(0, 0, 6, 0), wall(6, 5, 0, 5), wall(2, 0.6, 3.6, 0.6), wall(2.2, 0.5, 3.2, 0.5)};
+  FurnitureMap map;
+  map.update(walls, nowhere_free, {});
+  const auto found = map.footprints();
+  REQUIRE(found.size() == 1);
+  REQUIRE((found[0][0] - Eigen::Vector2d(2, 0)).norm() < 1e-9);
+  REQUIRE((found[0][2] - Eigen::Vector2d(3.6, 0.6)).norm() < 1e-9);
+  map.update({walls[0], walls[1]}, nowhere_free, {});
+  REQUIRE(map.footprints().empty());
+}
