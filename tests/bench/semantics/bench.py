@@ -120,7 +120,7 @@ def objects_line(tours, estimator):
     """Of the buildings that are furnished. The classes' sizes were measured in these same worlds."""
     furnished = {name: s[estimator]["objects"] for name, s in tours if estimator in s and s[estimator]["objects"]["truth"]}
     words = [f"{name} {o['matched']} of {o['found']} lie on a true one, {o['named_right']} of {o['named']} named rightly" for name, o in furnished.items()]
-    return "Things that stand free: " + "; ".join(words) + "."
+    return "Objects, where footprints overlap by 0.3: " + "; ".join(words) + "."
 
 
 def section(tours, found):
