@@ -19,6 +19,7 @@ constexpr double kReach_m = 0.15;        // the outline lies on what was hit thi
 constexpr double kStrip_m = 0.25, kCounter_m = 1.3, kBulky_m = 3.0, kBulkyLength_m = 4.0;  // of what hides floor, with its shadow
 constexpr double kDoorway_m = 0.3;       // a doorway reaches this far off its cut, ...
 constexpr double kDeepestDoorway_m = 0.9;  // ... or this far where the wall is thick
+constexpr double kNeck_m = 0.4;            // of floor; narrower than any robot
 constexpr double kLeastOfBox = 0.65, kLeastOfClosedBox = 0.55, kClosed = 0.8, kLeastOfParking = 0.4, kMostForeign = 0.03, kLeastSeenSide = 0.12;
 
 bool is_corridor(const cv::Mat1b& mask, double area_m2, double resolution_m) {
@@ -119,9 +120,30 @@ double least_of_box(const RoomPatch& patch, double enclosed) {
   return enclosed >= kClosed ? kLeastOfClosedBox : kLeastOfBox;
 }
 
+/// What beams showed through a window or a slit hangs on a room by a neck that nobody passes. @return whether something was left out.
+bool leave_out_behind_necks(RoomPatch& patch) {
+  const int neck = 2 * static_cast<int>(std::lround(kNeck_m / 2 / patch.space.resolution_m)) + 1;
+  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {neck, neck});
+  cv::Mat1b core;
+  cv::erode(patch.mask, core, disc, {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::Mat1i pieces, figures;
+  cv::Mat1d centres;
+  const int count = cv::connectedComponentsWithStats(core, pieces, figures, centres, 8, CV_32S);
+  if (count < 3) return false;
+  int largest = 1;
+  for (int k = 2; k < count; ++k)
+    if (figures(k, cv::CC_STAT_AREA) > figures(largest, cv::CC_STAT_AREA)) largest = k;
+  cv::inRange(pieces, largest, largest, core);
+  cv::dilate(core, core, disc);
+  cv::bitwise_and(core, patch.mask, patch.mask);
+  return true;
+}
+
 bool make_room(RoomPatch& patch, const RoomOptions& options, Room& room) {
   room.evidence = enclosed_share(patch);
-  if (room.evidence < (patch.glimpse ? options.glimpse_enclosed : options.min_enclosed)) return false;
+  const double least = patch.glimpse ? options.glimpse_enclosed : options.min_enclosed;
+  if (patch.glimpse && room.evidence < least && leave_out_behind_necks(patch)) room.evidence = enclosed_share(patch);
+  if (room.evidence < least) return false;
   complete_box(patch, least_of_box(patch, room.evidence));
   room.outline = outline_of(patch.mask, patch.space, kMinHole_m2, kTolerance_m);
   if (room.outline.size() < 3) return false;

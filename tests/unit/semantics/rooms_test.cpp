@@ -146,6 +146,57 @@ TEST_CASE("an unexplored rectangle between walls is no room, nor is open floor w
   REQUIRE(rooms_of(KnownSpace(0.1)).empty());
 }
 
+/// A hall with a small room beside it; beams leave the room through a window of so much and show a fan outside.
+KnownSpace room_with_window(double window_m) {
+  KnownSpace space = test::unknown_floor(17, 9);
+  test::fill(space, 0.9, 0.9, 11.9, 7.1, test::kSolid);
+  test::fill(space, 1, 1, 9, 7, test::kFree);
+  test::fill(space, 9.2, 1, 11.8, 3.6, test::kFree);
+  test::fill(space, 9, 1.8, 9.2, 2.7, test::kFree);
+  for (double x = 11.8; x < 15; x += 0.1) {
+    const double half_m = 0.5 * window_m + std::max(0.0, 0.35 * (x - 12));
+    test::fill(space, x, std::max(0.1, 2.3 - half_m), x + 0.1, 2.3 + half_m, test::kFree);
+  }
+  return space;
+}
+
+/// The same floor parted at the door alone: room and fan are one region.
+Partition parted_at_door(const KnownSpace& space) {
+  Partition partition;
+  partition.labels = cv::Mat1i(space.occupancy.size(), 0);
+  for (const int number : {1, 2}) partition.regions[number].ways = 1;
+  for (int y = 0; y < space.occupancy.rows; ++y)
+    for (int x = 0; x < space.occupancy.cols; ++x)
+      if (space.is_free({x, y}) && x != 91) partition.labels(y, x) = x < 91 ? 1 : 2;
+  for (auto& [number, region] : partition.regions) {
+    cv::Mat1b mask;
+    cv::inRange(partition.labels, number, number, mask);
+    region.box = cv::boundingRect(mask);
+    region.cells = cv::countNonZero(mask);
+  }
+  CutOpening cut;
+  cut.opening.a = {9.15, 1.8};
+  cut.opening.b = {9.15, 2.7};
+  cut.left = 1;
+  cut.right = 2;
+  partition.cuts = {cut};
+  return partition;
+}
+
+TEST_CASE("what beams show through a window does not undo the room, and is none itself") {
+  const auto rooms_behind = [](double window_m) {
+    const KnownSpace space = room_with_window(window_m);
+    return find_rooms(parted_at_door(space), make_floor(space, 14), space, {});
+  };
+  const auto rooms = rooms_behind(0.3);
+  REQUIRE(rooms.size() == 2);
+  const Room& small = rooms[0].area_m2 < rooms[1].area_m2 ? rooms[0] : rooms[1];
+  CHECK(small.area_m2 == Approx(2.6 * 2.6).epsilon(0.15));
+  CHECK(contains(small.outline, {10.5, 2.3}));
+  CHECK_FALSE(contains(small.outline, {13.5, 2.3}));
+  CHECK(rooms_behind(0.8).size() == 1);  // a gap that one can walk through: who knows what that is
+}
+
 TEST_CASE("a corridor that runs round a block has the block as a hole") {
   KnownSpace space = test::unknown_floor(12, 12);
   test::fill(space, 1.9, 1.9, 10.1, 10.1, test::kSolid);
