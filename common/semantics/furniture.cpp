@@ -276,6 +276,16 @@ std::vector<std::array<Vec, 4>> FurnitureMap::footprints() const {
   return out;
 }
 
+double floor_share(const std::array<Vec, 4>& ring, const FurnitureMap::IsFree& is_free) {
+  constexpr double kStep_m = 0.1;
+  const Vec along = ring[1] - ring[0], out = ring[3] - ring[0];
+  const int columns = std::max(1, static_cast<int>(along.norm() / kStep_m)), rows = std::max(1, static_cast<int>(out.norm() / kStep_m));
+  int free = 0;
+  for (int x = 0; x < columns; ++x)
+    for (int y = 0; y < rows; ++y) free += is_free(ring[0] + (x + 0.5) / columns * along + (y + 0.5) / rows * out);
+  return static_cast<double>(free) / (columns * rows);
+}
+
 std::vector<bool> find_furniture(const std::vector<Wall>& walls, const FurnitureMap::IsFree& is_free) { return FurnitureMap().update(walls, is_free, {}); }
 
 }  // namespace modslam

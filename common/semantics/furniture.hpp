@@ -60,6 +60,9 @@ class FurnitureMap {
 };
 
 /// All at once.
+/// Share of a rectangle that was seen to be floor.
+double floor_share(const std::array<Eigen::Vector2d, 4>& ring, const FurnitureMap::IsFree& is_free);
+
 std::vector<bool> find_furniture(const std::vector<Wall>& walls, const FurnitureMap::IsFree& is_free);
 
 }  // namespace modslam

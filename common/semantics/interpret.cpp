@@ -13,6 +13,7 @@ namespace {
 constexpr double kAtOutline_m = 0.2;  // walls lie this near the outline of their room
 constexpr double kBehind_m = 0.2;     // a face hides what lies this far behind it
 constexpr double kWholeFront_m = 1.2;  // a shorter front may be what a chair leaves to be seen of a longer one
+constexpr double kMostFloor = 0.3;    // of the footprint of a thing
 constexpr double kNewsTogether_m = 1.0;  // changes this near are looked at as one
 
 WallMapOptions wall_options(const SemanticsConfig& config) {
@@ -249,7 +250,9 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   const std::vector<bool> furniture = find_furniture(faces, space, changed);
   for (std::size_t k = 0; k < faces.size(); ++k)
     if (!furniture[k]) layers.walls.push_back(faces[k]);
-  for (const auto& ring : furniture_.footprints()) layers.objects.push_back(at_wall(ring));
+  const auto is_free = [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); };
+  for (const auto& ring : furniture_.footprints())
+    if (floor_share(ring, is_free) < kMostFloor) layers.objects.push_back(at_wall(ring));
 
   WallSet::News news;
   const Boxes walls = take_walls(layers.walls, space, news);

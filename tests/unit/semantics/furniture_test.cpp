@@ -2,6 +2,7 @@
 /// Furniture kept in step with walls that come and go, and the walls by number below it.
 #include "common/semantics/furniture.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
 
@@ -98,4 +99,16 @@ TEST_CASE("what stands before a wall has a footprint from its front to the wall,
   REQUIRE((found[0][2] - Eigen::Vector2d(3.6, 0.6)).norm() < 1e-9);
   map.update({walls[0], walls[1]}, nowhere_free, {});
   REQUIRE(map.footprints().empty());
+}
+
+TEST_CASE("the share of floor in a rectangle, however it lies") {
+  const auto left_half = [](const Eigen::Vector2d& p) { return p.x() < 0; };
+  for (const double turn_rad : {0.0, 0.5, 2.0}) {
+    const Eigen::Rotation2D<double> turned(turn_rad);
+    const auto free = [&](const Eigen::Vector2d& p) { return left_half(turned.inverse() * p); };
+    std::array<Eigen::Vector2d, 4> ring = {Eigen::Vector2d(-1, 0), {3, 0}, {3, 2}, {-1, 2}};
+    for (Eigen::Vector2d& corner : ring) corner = turned * corner;
+    CHECK(floor_share(ring, free) == Approx(0.25).margin(0.03));
+  }
+  CHECK(floor_share({Eigen::Vector2d(1, 1), {1, 1}, {1, 1}, {1, 1}}, left_half) == 0);
 }

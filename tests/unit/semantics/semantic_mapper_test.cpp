@@ -52,6 +52,16 @@ TEST_CASE("a drive through two rooms finds two rooms, the door between them and 
   REQUIRE(layers.objects.empty());
 }
 
+TEST_CASE("things at walls are objects, and none lies where the robot was") {
+  std::vector<Pose2> places;
+  for (int k = 0; k < 40; ++k) places.push_back({1.5 * std::cos(0.16 * k) - 0.3, 0.8 * std::sin(0.16 * k), 0.16 * k + 1.57});
+  SemanticMapper mapper = mapper_after(test::furnished_room(), places);
+  const SemanticLayers layers = mapper.update(true);
+  REQUIRE_FALSE(layers.objects.empty());
+  for (const Object& object : layers.objects)
+    for (const Pose2& place : places) REQUIRE_FALSE(contains(object.outline, place.translation()));
+}
+
 TEST_CASE("ids of walls, rooms and doors outlast an update, more scans and a small move of everything") {
   const auto places = test::drive_through_two_rooms();
   SemanticMapper mapper = mapper_after(test::two_rooms(), places);
