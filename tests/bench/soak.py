@@ -67,10 +67,13 @@ def many_times(log, seconds, path):
 
 def in_each_pass(run_log, ends_us):
     """{process: [median of the kB in the second half of each pass]}: in the first half of the first one the map still grows, and a
-    single word also tells how many messages happen to wait behind a fast player."""
+    single word also tells how many messages happen to wait behind a fast player. What is said when the log has ended is of the finish: the
+    estimator's polish needs its memory then, and no pass does."""
     found = {}
-    pass_us = ends_us[1] - ends_us[0]
+    pass_us, newest_us = ends_us[1] - ends_us[0], ends_us[-1] - 1_000_000
     for status in system.status_messages(run_log):
+        if status["utime"] > newest_us:
+            continue
         passed = sum(end_us < status["utime"] for end_us in ends_us)
         if passed < len(ends_us) and status["utime"] > ends_us[passed] - pass_us / 2:
             found.setdefault(status["name"], [[] for _ in ends_us])[passed].append(status["memory_kb"])
