@@ -25,7 +25,8 @@ WallMapOptions wall_options(const SemanticsConfig& config) {
 
 PartitionOptions parting_options(const SemanticsConfig& config) {
   PartitionOptions options;
-  options.min_probability = config.opening_probability;
+  options.cuts.min_probability = config.opening_probability;
+  options.cuts.slit_m = config.door_min_m;
   options.min_room_m2 = config.room_min_m2;
   return options;
 }
@@ -258,7 +259,7 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   const Boxes walls = take_walls(layers.walls, space, news);
   wall_ends_.update(layers.walls, known_walls_, news.come, space, changed);
   openings_.update(floor_, space, known_walls_, floor, walls);
-  Boxes parted = parter_.update(floor_, space, known_walls_, openings_.openings(config_.opening_probability), floor.open, walls);
+  Boxes parted = parter_.update(floor_, space, known_walls_, openings_.openings(parting_options(config_).cuts), floor.open, walls);
   DoorMapOptions doors;
   doors.min_width_m = config_.door_min_m;
   doors.max_width_m = config_.door_max_m;

@@ -212,12 +212,12 @@ void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallS
   }
 }
 
-std::vector<Opening> OpeningMap::openings(double min_probability) const {
+std::vector<Opening> OpeningMap::openings(const CutLimits& limits) const {
   std::vector<const Opening*> sure;
   for (const auto& [index, block] : blocks_)
     for (const Opening& opening : block.openings) {
-      if (opening.probability < min_probability) break;  // surest first
-      sure.push_back(&opening);
+      if (opening.probability < limits.least_probability()) break;  // surest first
+      if (limits.take(opening)) sure.push_back(&opening);
     }
   const auto order = [](const Opening& o) { return std::tuple(-o.probability, o.a.x(), o.a.y(), o.b.x(), o.b.y()); };
   std::sort(sure.begin(), sure.end(), [&](const Opening* p, const Opening* q) { return order(*p) < order(*q); });
@@ -235,7 +235,7 @@ std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, 
   WallSet set;
   set.update(walls);
   map.update(floor, space, set, all, {});
-  return map.openings(0);
+  return map.openings({0, 0, 0});
 }
 
 }  // namespace modslam

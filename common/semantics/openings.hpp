@@ -2,6 +2,7 @@
 /// @file Openings: places where the floor narrows between two corners of what bounds it, or between a corner and a wall. Doors are
 /// openings, the mouth of a corridor is one; most are none, and the features tell.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <map>
 #include <vector>
@@ -38,6 +39,17 @@ struct Opening {
   Eigen::Vector2d centre() const { return 0.5 * (a + b); }
 };
 
+/// Openings that the floor may be cut at.
+struct CutLimits {
+  double min_probability = 0.5;
+  double slit_m = 0.6;             ///< narrower ones that nobody passes, as windows are, may part rooms beside surer ones ...
+  double slit_probability = 0.05;  ///< ... if they are at least this sure
+  double least_probability() const { return std::min(min_probability, slit_probability); }
+  bool take(const Opening& opening) const {
+    return opening.probability >= min_probability || (opening.probability >= slit_probability && opening.width_m() < slit_m);
+  }
+};
+
 /// A straight way across the floor from one of its corners to another, or square to an edge. Cells.
 struct FloorCut {
   Eigen::Vector2d a, b;
@@ -59,8 +71,8 @@ class OpeningMap {
   void update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const FloorChange& change, const Boxes& walls_changed);
   void clear() { blocks_.clear(); }
 
-  /// All of at least this probability, surest first.
-  std::vector<Opening> openings(double min_probability) const;
+  /// Those that may be cut, surest first.
+  std::vector<Opening> openings(const CutLimits& limits) const;
 
  private:
   struct Block {

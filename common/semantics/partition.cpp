@@ -7,7 +7,7 @@
 #include <tuple>
 #include <opencv2/imgproc.hpp>
 
-#include "common/semantics/plan_index.hpp"
+#include "common/semantics/region_clusters.hpp"
 
 namespace modslam {
 namespace {
@@ -20,21 +20,6 @@ constexpr double kSlotDepth_m = 2.5, kMostSlotDepth_m = 6.5, kSlotMouth = 0.8;
 constexpr double kCarFrom_m = 1.2, kCarTo_m = 2.6;
 constexpr double kAroundCut_m = 0.4;                    // a doorway reaches this far
 constexpr double kSameWay = 0.7;                       // |cos| of cuts that may be one opening
-
-double side_of(const Vec& a, const Vec& b, const Vec& p) { return (b - a).x() * (p - a).y() - (b - a).y() * (p - a).x(); }
-
-bool cross_each_other(const Opening& p, const Opening& q) {
-  const Vec inward_p = 0.05 * (p.b - p.a).normalized(), inward_q = 0.05 * (q.b - q.a).normalized();
-  const Vec pa = p.a + inward_p, pb = p.b - inward_p, qa = q.a + inward_q, qb = q.b - inward_q;
-  return side_of(pa, pb, qa) * side_of(pa, pb, qb) < 0 && side_of(qa, qb, pa) * side_of(qa, qb, pb) < 0;
-}
-
-/// Cuts of one opening lie side by side or across each other.
-bool same_opening(const Opening& p, const Opening& q) {
-  if (cross_each_other(p, q)) return true;
-  const double near = 0.5 * std::max(p.width_m(), q.width_m());
-  return (p.centre() - q.centre()).norm() < near && std::abs((p.b - p.a).normalized().dot((q.b - q.a).normalized())) > kSameWay;
-}
 
 /// Sets of regions that became one.
 class Regions {
@@ -103,20 +88,6 @@ void join_small_regions(const std::vector<CutOpening>& cuts, std::vector<double>
   }
 }
 
-std::vector<CutOpening> choose_cuts(const std::vector<Opening>& openings, double min_probability) {
-  constexpr double kSquare_m = 3.5;
-  std::vector<CutOpening> cuts;
-  PlanIndex index(kSquare_m);
-  for (const Opening& opening : openings) {
-    if (opening.probability < min_probability) break;
-    const std::vector<std::size_t> near = index.near(opening.a, opening.b, 0.5 * kSquare_m);
-    if (std::any_of(near.begin(), near.end(), [&](std::size_t k) { return same_opening(cuts[k].opening, opening); })) continue;
-    index.add(opening.a, opening.b, cuts.size());
-    cuts.push_back({opening, 0, 0});
-  }
-  return cuts;
-}
-
 }  // namespace
 
 cv::Rect FloorParter::box_of(const CutLine& cut, const KnownSpace& space, double margin_m) {
@@ -153,7 +124,7 @@ Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, std::v
 }
 
 /// Share of a region's rim that lies on walls; where it meets another region or a cut is no rim.
-double FloorParter::walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const WallSet& walls) const {
+double FloorParter::walled_share(const Region& region, const Floor& floor, const KnownSpace& space, const WallSet& walls) const {
   const cv::Rect box = region.box;
   cv::Mat1b on_wall(box.size(), std::uint8_t{0});
   const int thick = 2 * static_cast<int>(std::lround(kOnWall_m / space.resolution_m)) + 1;
@@ -162,7 +133,7 @@ double FloorParter::walled_share(const Region& region, int number, const Floor& 
     const cv::Point a = space.cell(wall.a), b = space.cell(wall.b);
     if (meet(grown(cv::Rect(a, cv::Size(1, 1)) | cv::Rect(b, cv::Size(1, 1)), thick), box)) cv::line(on_wall, a - box.tl(), b - box.tl(), cv::Scalar(255), thick);
   }
-  const cv::Mat1b mask = tiles_.mask_of(number, box);
+  const cv::Mat1b mask = tiles_.mask_of(region, box);
   int rim = 0, walled = 0;
   for (int y = std::max(1, box.y); y < std::min(box.br().y, floor.open.rows - 1); ++y)
     for (int x = std::max(1, box.x); x < std::min(box.br().x, floor.open.cols - 1); ++x) {
@@ -174,8 +145,8 @@ double FloorParter::walled_share(const Region& region, int number, const Floor& 
   return rim ? static_cast<double>(walled) / rim : 0.0;
 }
 
-FloorParter::Niche FloorParter::niche_of(const Region& region, int number) const {
-  std::vector<cv::Point> rim = rim_cells(tiles_.mask_of(number, region.box));
+FloorParter::Niche FloorParter::niche_of(const Region& region) const {
+  std::vector<cv::Point> rim = rim_cells(tiles_.mask_of(region, region.box));
   for (cv::Point& c : rim) c += region.box.tl();
   const cv::RotatedRect box = cv::minAreaRect(rim);
   const bool first_is_short = box.size.width < box.size.height;
@@ -185,18 +156,18 @@ FloorParter::Niche FloorParter::niche_of(const Region& region, int number) const
 }
 
 /// Gaps between parked cars: dead ends as wide as their mouths with a car's width of closed space beside them. They are no rooms.
-std::set<int> FloorParter::find_slots(const std::vector<CutOpening>& cuts, const Floor& floor) {
+std::set<int> FloorParter::find_slots(const std::vector<Region>& whole, const std::vector<CutOpening>& cuts, const Floor& floor) {
   const double cell_m = floor.resolution_m;
-  std::vector<int> ways(tiles_.regions().size() + 1, 0);
+  std::vector<int> ways(whole.size() + 1, 0);
   std::vector<const CutOpening*> mouths(ways.size(), nullptr);
   for (const CutOpening& cut : cuts)
     if (cut.left && cut.right && cut.left != cut.right)
       for (const int side : {cut.left, cut.right}) ++ways[static_cast<std::size_t>(side)], mouths[static_cast<std::size_t>(side)] = &cut;
   std::set<int> slots;
   for (int number = 1; number < static_cast<int>(ways.size()); ++number) {
-    const Region& region = tiles_.regions()[static_cast<std::size_t>(number - 1)];
+    const Region& region = whole[static_cast<std::size_t>(number - 1)];
     if (ways[static_cast<std::size_t>(number)] != 1 || region.cells * cell_m * cell_m >= kMostSlotDepth_m * kMostSlotDepth_m / 1.5) continue;
-    const Niche& niche = niches_.ask(region.members, region.box, [&] { return niche_of(region, number); });
+    const Niche& niche = niches_.ask(region.members, region.box, [&] { return niche_of(region); });
     if (!is_slot(niche.width * cell_m, niche.depth * cell_m, niche.across, mouths[static_cast<std::size_t>(number)]->opening)) continue;
     const bool beside_car = beside_m(niche.centre, niche.across, niche.width, floor) >= kCarFrom_m || beside_m(niche.centre, -niche.across, niche.width, floor) >= kCarFrom_m;
     if (beside_car) slots.insert(number);
@@ -211,9 +182,40 @@ std::size_t FloorParter::HashMembers::operator()(const Members& members) const {
   return hash;
 }
 
+/// Cluster of each piece of the cut floor, from 1; 0 for none.
+std::vector<int> FloorParter::cluster(const std::vector<CutOpening>& cuts) const {
+  const auto log_odds = [](double p) { return std::log(p / std::max(1e-9, 1 - p)); };
+  const double even = log_odds(options_.cuts.min_probability);
+  std::vector<PieceBond> bonds;
+  for (const CutOpening& cut : cuts)
+    if (cut.left && cut.right && cut.left != cut.right) bonds.push_back({cut.left, cut.right, even - log_odds(cut.opening.probability)});
+  const std::vector<int> roots = cluster_pieces(static_cast<int>(tiles_.regions().size()) + 1, bonds);
+  std::vector<int> cluster_of(roots.size(), 0), number(roots.size(), 0);
+  int count = 0;
+  for (std::size_t k = 1; k < roots.size(); ++k) {
+    int& here = number[static_cast<std::size_t>(roots[k])];
+    if (here == 0) here = ++count;
+    cluster_of[k] = here;
+  }
+  return cluster_of;
+}
+
+std::vector<Region> FloorParter::regions_of(const std::vector<int>& cluster_of) const {
+  std::vector<Region> out;
+  for (std::size_t k = 1; k < cluster_of.size(); ++k) {
+    const auto number = static_cast<std::size_t>(cluster_of[k]);
+    if (out.size() < number) out.resize(number);
+    const Region& piece = tiles_.regions()[k - 1];
+    Region& whole = out[number - 1];
+    whole.members.insert(whole.members.end(), piece.members.begin(), piece.members.end());
+    whole.cells += piece.cells;
+    whole.box |= piece.box;
+  }
+  return out;
+}
+
 /// A region that consists of the same pieces of the same tiles as before keeps its number.
-void FloorParter::number_regions(const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts) {
-  const std::vector<Region>& raw = tiles_.regions();
+std::vector<int> FloorParter::number_regions(const std::vector<Region>& raw, const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts) {
   std::vector<Members> members(roots.size());
   std::vector<FloorRegion> joined(roots.size());
   for (std::size_t k = 1; k < roots.size(); ++k) {
@@ -241,8 +243,9 @@ void FloorParter::number_regions(const std::vector<int>& roots, const std::set<i
     partition_.regions[number] = joined[root];
   }
   numbers_ = std::move(numbers);
-  number_of_.assign(roots.size(), 0);
-  for (std::size_t k = 1; k < roots.size(); ++k) number_of_[k] = number_of_root[static_cast<std::size_t>(roots[k])];
+  std::vector<int> number_of(roots.size(), 0);
+  for (std::size_t k = 1; k < roots.size(); ++k) number_of[k] = number_of_root[static_cast<std::size_t>(roots[k])];
+  return number_of;
 }
 
 /// Where two regions became one, the cut between them is floor again.
@@ -291,7 +294,7 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
     parted_ = cv::Mat1b(floor.open.size(), std::uint8_t{0});
     partition_.labels = cv::Mat1i(floor.open.size(), 0);
   }
-  std::vector<CutOpening> cuts = choose_cuts(openings, options_.min_probability);
+  std::vector<CutOpening> cuts = choose_cuts(openings, options_.cuts);
   std::vector<CutLine> lines, kept, healed;
   for (const CutOpening& cut : cuts) lines.push_back({cut.opening.a, cut.opening.b, 0});
   const Boxes parted = draw_cuts(floor, space, std::move(lines), open);
@@ -306,16 +309,19 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
   walled_.forget(around);
   niches_.forget(parted);
 
-  const std::vector<Region>& raw = tiles_.regions();
+  std::vector<int> cluster_of = cluster(cuts);
+  const std::vector<Region> raw = regions_of(cluster_of);
+  for (CutOpening& cut : cuts)
+    for (int* side : {&cut.left, &cut.right}) *side = cluster_of[static_cast<std::size_t>(*side)];
   Regions regions(static_cast<int>(raw.size()) + 1);
   std::vector<double> area_m2{0};
   for (std::size_t k = 0; k < raw.size(); ++k) {
     area_m2.push_back(raw[k].cells * floor.resolution_m * floor.resolution_m);
     if (walls.size() == 0 || area_m2.back() >= options_.small_m2) continue;
-    const auto share = [&] { return walled_share(raw[k], static_cast<int>(k) + 1, floor, space, walls); };
+    const auto share = [&] { return walled_share(raw[k], floor, space, walls); };
     if (walled_.ask(raw[k].members, grown(raw[k].box, 12), share) < options_.min_walled) area_m2.back() = std::min(area_m2.back(), 0.5 * options_.min_room_m2);
   }
-  const std::set<int> slots = find_slots(cuts, floor);
+  const std::set<int> slots = find_slots(raw, cuts, floor);
   for (const CutOpening& cut : cuts)
     if ((slots.count(cut.left) || slots.count(cut.right)) && cut.left && cut.right && regions.root(cut.left) != regions.root(cut.right)) {
       const double sum = area_m2[static_cast<std::size_t>(regions.root(cut.left))] + area_m2[static_cast<std::size_t>(regions.root(cut.right))];
@@ -325,12 +331,14 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
   join_small_regions(cuts, area_m2, options_.min_room_m2, regions);
   std::vector<int> roots(raw.size() + 1);
   for (std::size_t k = 0; k < roots.size(); ++k) roots[k] = regions.root(static_cast<int>(k));
-  number_regions(roots, slots, cuts);
+  const std::vector<int> number_of = number_regions(raw, roots, slots, cuts);
+  for (int& piece : cluster_of) piece = number_of[static_cast<std::size_t>(piece)];
+  number_of_ = std::move(cluster_of);
 
   partition_.cuts.clear();
   for (CutOpening& cut : cuts) {
-    cut.left = number_of_[static_cast<std::size_t>(cut.left)];
-    cut.right = number_of_[static_cast<std::size_t>(cut.right)];
+    cut.left = number_of[static_cast<std::size_t>(cut.left)];
+    cut.right = number_of[static_cast<std::size_t>(cut.right)];
     if (!cut.left || !cut.right) continue;
     if (cut.left != cut.right) partition_.cuts.push_back(cut);
     (cut.left == cut.right ? healed : kept).push_back({cut.opening.a, cut.opening.b, cut.left == cut.right ? cut.left : 0});

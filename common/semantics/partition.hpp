@@ -7,16 +7,10 @@
 #include <unordered_map>
 
 #include "common/semantics/memo.hpp"
-#include "common/semantics/openings.hpp"
+#include "common/semantics/cut_choice.hpp"
 #include "common/semantics/tiled_regions.hpp"
 
 namespace modslam {
-
-/// An opening that was cut, and the regions on its two sides (left and right of a -> b; 0: none).
-struct CutOpening {
-  Opening opening;
-  int left = 0, right = 0;
-};
 
 /// A region of the floor after small ones joined their neighbours.
 struct FloorRegion {
@@ -36,19 +30,20 @@ struct Partition {
 std::set<int> glimpses(const Partition& partition, double cell_m, double most_m2);
 
 struct PartitionOptions {
-  double min_probability = 0.5;
+  CutLimits cuts;
   double min_room_m2 = 1.5;
   double small_m2 = 5.0;
   double min_walled = 0.15;   ///< share of a small region's outline, openings left out, that lies on walls: between parked cars there are none
 };
 
-/// Takes the surest openings first, none that says the same as one before. Regions that are too small to be rooms, or have too little wall
+/// Takes the surest openings first, none that says the same as one before. A slit through which beams went does not join two rooms that a sure
+/// door parts: pieces are clustered by the log-odds of all cuts between them. Regions that are too small to be rooms, or have too little wall
 /// around them, join a neighbour through their least sure opening. No walls given: none are asked for.
 class FloorParter {
  public:
   explicit FloorParter(const PartitionOptions& options) : options_(options) {}
 
-  /// @param openings  all of at least options.min_probability, surest first. @param open, walls_changed  where floor and walls changed since the last call.
+  /// @param openings  all that options.cuts take, surest first. @param open, walls_changed  where floor and walls changed since the last call.
   /// @return where there is a region now and was none, or the other way round, and around cuts that are new or gone.
   Boxes update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const std::vector<Opening>& openings, const Boxes& open,
                const Boxes& walls_changed);
@@ -75,10 +70,12 @@ class FloorParter {
   static cv::Rect box_of(const CutLine& cut, const KnownSpace& space, double margin_m);
   static Boxes news_of(const std::vector<CutLine>& before, const std::vector<CutLine>& now, const KnownSpace& space, double margin_m);
   Boxes draw_cuts(const Floor& floor, const KnownSpace& space, std::vector<CutLine> cuts, const Boxes& open);
-  double walled_share(const Region& region, int number, const Floor& floor, const KnownSpace& space, const WallSet& walls) const;
-  Niche niche_of(const Region& region, int number) const;
-  std::set<int> find_slots(const std::vector<CutOpening>& cuts, const Floor& floor);
-  void number_regions(const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts);
+  double walled_share(const Region& region, const Floor& floor, const KnownSpace& space, const WallSet& walls) const;
+  Niche niche_of(const Region& region) const;
+  std::vector<int> cluster(const std::vector<CutOpening>& cuts) const;
+  std::vector<Region> regions_of(const std::vector<int>& cluster_of) const;
+  std::set<int> find_slots(const std::vector<Region>& whole, const std::vector<CutOpening>& cuts, const Floor& floor);
+  std::vector<int> number_regions(const std::vector<Region>& raw, const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts);
   Boxes paint(const Floor& floor, const KnownSpace& space, std::vector<CutLine> healed);
 
   PartitionOptions options_;

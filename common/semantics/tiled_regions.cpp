@@ -161,9 +161,9 @@ void TiledRegions::numbers_in(int tile, std::vector<int>& numbers) const {
   numbers.assign(first, first + static_cast<std::ptrdiff_t>(t.cells.size()));
 }
 
-cv::Mat1b TiledRegions::mask_of(int region, const cv::Rect& box) const {
+cv::Mat1b TiledRegions::mask_of(const Region& region, const cv::Rect& box) const {
   cv::Mat1b mask(box.size(), std::uint8_t{0});
-  for (const Region::Member& member : regions_[static_cast<std::size_t>(region - 1)].members) {
+  for (const Region::Member& member : region.members) {
     const cv::Rect part = tile_box(member.tile) & box;
     if (part.area() == 0) continue;
     cv::Mat1b here;

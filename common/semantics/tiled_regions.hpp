@@ -34,7 +34,7 @@ class TiledRegions {
     return local == 0 ? 0 : numbers_[static_cast<std::size_t>(tiles_[static_cast<std::size_t>(tile_of(c))].first + local - 1)];
   }
   /// Cells of a region within a box.
-  cv::Mat1b mask_of(int region, const cv::Rect& box) const;
+  cv::Mat1b mask_of(const Region& region, const cv::Rect& box) const;
   int tile_count() const { return static_cast<int>(tiles_.size()); }
   cv::Rect tile_box(int tile) const { return cv::Rect(tile % columns_ * kTile, tile / columns_ * kTile, kTile, kTile) & cv::Rect({0, 0}, local_.size()); }
   int stamp(int tile) const { return tiles_[static_cast<std::size_t>(tile)].stamp; }

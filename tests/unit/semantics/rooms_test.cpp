@@ -105,6 +105,27 @@ TEST_CASE("two rooms with a door between are two rooms, and the door names both"
   }
 }
 
+TEST_CASE("a slit in the wall between two rooms does not make them one, as it would if only sure openings were cut") {
+  TwoRooms rooms;
+  test::fill(rooms.space, 6.9, 5.4, 7.1, 5.9, test::kFree);
+  const Floor floor = make_floor(rooms.space, 14);
+  const auto opening = [](double from, double to, double probability) {
+    Opening out;
+    out.a = {7, from};
+    out.b = {7, to};
+    out.probability = probability;
+    return out;
+  };
+  const std::vector<Opening> openings{opening(2.95, 3.95, 0.9), opening(5.35, 5.95, 0.2)};
+  const auto regions = [&](double slit_m) {
+    PartitionOptions options;
+    options.cuts.slit_m = slit_m;
+    return part_floor(floor, rooms.space, {}, openings, options).regions.size();
+  };
+  REQUIRE(regions(0.7) == 2);
+  REQUIRE(regions(0.3) == 1);
+}
+
 TEST_CASE("a wall that ends in the middle of a hall does not part it") {
   TwoRooms plan;
   test::fill(plan.space, 6.9, 3, 7.1, 7, test::kFree);
