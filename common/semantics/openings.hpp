@@ -48,6 +48,11 @@ struct FloorCut {
   Eigen::Vector2d centre() const { return 0.5 * (a + b); }
 };
 
+/// Cells that the features of a cut were read from, in each raster of the floor.
+struct CutReads {
+  cv::Rect open, clearance, solid;
+};
+
 class CutFeatures;
 
 /// Keeps the openings of a floor in step with it, block by block: a cut belongs to the block of its first corner.
@@ -63,19 +68,32 @@ class OpeningMap {
   std::vector<Opening> openings(double min_probability) const;
 
  private:
+  /// A cut, with what was measured of it.
+  struct Measured {
+    FloorCut cut;
+    Opening opening;
+    CutReads reads;
+    bool known = false;
+  };
   struct Block {
     cv::Rect box;
     Outline outline;
-    std::vector<FloorCut> cuts;
-    std::vector<Opening> openings;   ///< surest first
+    std::vector<Measured> cuts;              ///< shortest first
+    std::vector<std::size_t> surest;         ///< the same, surest first
+    Boxes news;                              ///< middles of cuts that came or went in this round
+  };
+  /// Where things are new that features depend on.
+  struct News {
+    Boxes open, clearance, solid, walls;
   };
   using Index = std::pair<int, int>;   ///< column, row
 
   Boxes retrace(const Floor& floor, const Boxes& open);
-  Boxes recollect(const Floor& floor, const Boxes& changed);
+  void recollect(const Floor& floor, const Boxes& changed);
+  static void take_cuts(Block& block, const std::vector<FloorCut>& cuts);
   std::vector<const Block*> around(const Index& index) const;
   double narrowest_near(const Index& index, const FloorCut& cut, double cell_m) const;
-  void measure(const Index& index, const CutFeatures& features, const KnownSpace& space, const Boxes& changed, const Boxes& walls_changed);
+  void measure(const Index& index, const CutFeatures& features, double cell_m, const News& news);
 
   double max_width_m_;
   OpeningModel model_;
