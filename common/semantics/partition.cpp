@@ -196,7 +196,7 @@ std::set<int> FloorParter::find_slots(const std::vector<CutOpening>& cuts, const
   for (int number = 1; number < static_cast<int>(ways.size()); ++number) {
     const Region& region = tiles_.regions()[static_cast<std::size_t>(number - 1)];
     if (ways[static_cast<std::size_t>(number)] != 1 || region.cells * cell_m * cell_m >= kMostSlotDepth_m * kMostSlotDepth_m / 1.5) continue;
-    const Niche& niche = niches_.ask(region.members, region.box, [&] { return niche_of(region, number); });
+    const Niche& niche = niches_.ask(region.number, region.box, [&] { return niche_of(region, number); });
     if (!is_slot(niche.width * cell_m, niche.depth * cell_m, niche.across, mouths[static_cast<std::size_t>(number)]->opening)) continue;
     const bool beside_car = beside_m(niche.centre, niche.across, niche.width, floor) >= kCarFrom_m || beside_m(niche.centre, -niche.across, niche.width, floor) >= kCarFrom_m;
     if (beside_car) slots.insert(number);
@@ -204,23 +204,13 @@ std::set<int> FloorParter::find_slots(const std::vector<CutOpening>& cuts, const
   return slots;
 }
 
-std::size_t FloorParter::HashMembers::operator()(const Members& members) const {
-  std::size_t hash = members.size();
-  for (const Region::Member& member : members)
-    for (const int x : {member.tile, member.local, member.stamp}) hash = hash * 1000003 + static_cast<std::size_t>(x);
-  return hash;
-}
-
 /// A region that consists of the same pieces of the same tiles as before keeps its number.
 void FloorParter::number_regions(const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts) {
   const std::vector<Region>& raw = tiles_.regions();
-  std::vector<Members> members(roots.size());
   std::vector<FloorRegion> joined(roots.size());
   for (std::size_t k = 1; k < roots.size(); ++k) {
     const Region& region = raw[k - 1];
-    const auto root = static_cast<std::size_t>(roots[k]);
-    members[root].insert(members[root].end(), region.members.begin(), region.members.end());
-    FloorRegion& whole = joined[root];
+    FloorRegion& whole = joined[static_cast<std::size_t>(roots[k])];
     whole.box |= region.box;
     whole.cells += region.cells;
     whole.parking = whole.parking || slots.count(static_cast<int>(k)) > 0;
@@ -230,19 +220,12 @@ void FloorParter::number_regions(const std::vector<int>& roots, const std::set<i
     if (left == 0 || right == 0 || left == right) continue;
     for (const int side : {left, right}) ++joined[static_cast<std::size_t>(side)].ways;
   }
-  std::unordered_map<Members, int, HashMembers> numbers(numbers_.size());
-  std::vector<int> number_of_root(roots.size(), 0);
+  const std::vector<int> numbers = tiles_.number_sets(roots);
   partition_.regions.clear();
-  for (std::size_t root = 1; root < roots.size(); ++root) {
-    if (members[root].empty()) continue;
-    const auto known = numbers_.find(members[root]);
-    const int number = number_of_root[root] = known == numbers_.end() ? next_++ : known->second;
-    numbers.emplace(std::move(members[root]), number);
-    partition_.regions[number] = joined[root];
-  }
-  numbers_ = std::move(numbers);
+  for (std::size_t root = 1; root < roots.size(); ++root)
+    if (numbers[root] > 0) partition_.regions.emplace(numbers[root], joined[root]);
   number_of_.assign(roots.size(), 0);
-  for (std::size_t k = 1; k < roots.size(); ++k) number_of_[k] = number_of_root[static_cast<std::size_t>(roots[k])];
+  for (std::size_t k = 1; k < roots.size(); ++k) number_of_[k] = numbers[static_cast<std::size_t>(roots[k])];
 }
 
 /// Where two regions became one, the cut between them is floor again.
@@ -252,18 +235,19 @@ Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, std::vecto
   painted_.resize(static_cast<std::size_t>(tiles_.tile_count()));
   painted_stamp_.resize(painted_.size(), 0);
   std::vector<cv::Mat1i> before;
-  std::vector<int> numbers;
+  std::vector<int> numbers;  // of a tile's pieces; of no piece: 0
+  const auto is_painted = [&](int number, int region) { return number == number_of_[static_cast<std::size_t>(region)]; };
   for (int tile = 0; tile < tiles_.tile_count(); ++tile) {
     const auto t = static_cast<std::size_t>(tile);
-    tiles_.numbers_in(tile, numbers);
-    for (int& number : numbers) number = number_of_[static_cast<std::size_t>(number)];
+    const int *first = tiles_.regions_in(tile), *last = first + tiles_.pieces_in(tile);
+    if (painted_stamp_[t] == tiles_.stamp(tile) && std::equal(painted_[t].begin(), painted_[t].end(), first, last, is_painted) && !meet(stirred, tiles_.tile_box(tile))) continue;
     const cv::Rect box = tiles_.tile_box(tile);
-    if (painted_[t] == numbers && painted_stamp_[t] == tiles_.stamp(tile) && !meet(stirred, box)) continue;
-    painted_[t] = numbers;
+    numbers.assign(1, 0);
+    for (; first != last; ++first) numbers.push_back(number_of_[static_cast<std::size_t>(*first)]);
+    painted_[t].assign(numbers.begin() + 1, numbers.end());
     painted_stamp_[t] = tiles_.stamp(tile);
     before.push_back(partition_.labels(box).clone());
     repainted.push_back(box);
-    numbers.insert(numbers.begin(), 0);
     for (int y = box.y; y < box.br().y; ++y) {
       const std::uint16_t* pieces = tiles_.pieces(y);
       int* labels = partition_.labels[y];
@@ -313,7 +297,7 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
     area_m2.push_back(raw[k].cells * floor.resolution_m * floor.resolution_m);
     if (walls.size() == 0 || area_m2.back() >= options_.small_m2) continue;
     const auto share = [&] { return walled_share(raw[k], static_cast<int>(k) + 1, floor, space, walls); };
-    if (walled_.ask(raw[k].members, grown(raw[k].box, 12), share) < options_.min_walled) area_m2.back() = std::min(area_m2.back(), 0.5 * options_.min_room_m2);
+    if (walled_.ask(raw[k].number, grown(raw[k].box, 12), share) < options_.min_walled) area_m2.back() = std::min(area_m2.back(), 0.5 * options_.min_room_m2);
   }
   const std::set<int> slots = find_slots(cuts, floor);
   for (const CutOpening& cut : cuts)

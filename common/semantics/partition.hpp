@@ -4,7 +4,6 @@
 #include <map>
 #include <set>
 #include <tuple>
-#include <unordered_map>
 
 #include "common/semantics/memo.hpp"
 #include "common/semantics/openings.hpp"
@@ -55,10 +54,6 @@ class FloorParter {
   const Partition& partition() const { return partition_; }
 
  private:
-  using Members = std::vector<Region::Member>;
-  struct HashMembers {
-    std::size_t operator()(const Members& members) const;
-  };
   struct Niche {
     Eigen::Vector2d centre, across;  ///< of a dead end as a box; across: along its short sides
     double width, depth;             ///< [cells]
@@ -86,13 +81,11 @@ class FloorParter {
   TiledRegions tiles_;
   cv::Mat1b parted_;                            ///< the floor without its cuts
   std::vector<CutLine> drawn_, kept_, healed_;  ///< of the last round, in order
-  Memo<Members, double> walled_;
-  Memo<Members, Niche> niches_;
-  std::unordered_map<Members, int, HashMembers> numbers_;
+  Memo<int, double> walled_;                    ///< by number of the region of tiles_
+  Memo<int, Niche> niches_;
   std::vector<int> number_of_;                  ///< final number of each region of tiles_
   std::vector<std::vector<int>> painted_;       ///< numbers in each tile, as painted
   std::vector<int> painted_stamp_;
-  int next_ = 1;
 };
 
 /// All at once, from openings in any order.
