@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 #include <tuple>
 
 #include "common/semantics/cut_features.hpp"
@@ -238,9 +239,11 @@ void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallS
   const CutFeatures features(floor, space, walls);
   const int reach = static_cast<int>(max_width_m_ / floor.resolution_m) + 2;
   const int look = reach + static_cast<int>(std::max(kFarthestLook_m, 4 * max_width_m_) / floor.resolution_m) + 2;
+  std::set<Index> beside_news;
+  for (const auto& [index, block] : blocks_)
+    for (int k = 0; k < 9 && !block.news.empty(); ++k) beside_news.insert({index.first + k % 3 - 1, index.second + k / 3 - 1});
   for (const auto& [index, block] : blocks_) {
-    const std::vector<const Block*> neighbours = around(index);
-    bool any = std::any_of(neighbours.begin(), neighbours.end(), [](const Block* other) { return !other->news.empty(); });
+    bool any = !beside_news.empty() && beside_news.count(index) > 0;
     News here;
     for (const auto& [kind, far] : {std::pair(&News::open, look), std::pair(&News::clearance, look), std::pair(&News::solid, 2 * reach), std::pair(&News::walls, 2 * reach)}) {
       const cv::Rect window = grown(block.box, far) & cv::Rect({0, 0}, floor.open.size());

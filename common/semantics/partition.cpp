@@ -7,7 +7,6 @@
 #include <tuple>
 #include <opencv2/imgproc.hpp>
 
-#include "common/semantics/plan_index.hpp"
 
 namespace modslam {
 namespace {
@@ -19,22 +18,7 @@ constexpr double kOnWall_m = 0.2;
 constexpr double kSlotDepth_m = 2.5, kMostSlotDepth_m = 6.5, kSlotMouth = 0.8;
 constexpr double kCarFrom_m = 1.2, kCarTo_m = 2.6;
 constexpr double kAroundCut_m = 0.4;                    // a doorway reaches this far
-constexpr double kSameWay = 0.7;                       // |cos| of cuts that may be one opening
-
-double side_of(const Vec& a, const Vec& b, const Vec& p) { return (b - a).x() * (p - a).y() - (b - a).y() * (p - a).x(); }
-
-bool cross_each_other(const Opening& p, const Opening& q) {
-  const Vec inward_p = 0.05 * (p.b - p.a).normalized(), inward_q = 0.05 * (q.b - q.a).normalized();
-  const Vec pa = p.a + inward_p, pb = p.b - inward_p, qa = q.a + inward_q, qb = q.b - inward_q;
-  return side_of(pa, pb, qa) * side_of(pa, pb, qb) < 0 && side_of(qa, qb, pa) * side_of(qa, qb, pb) < 0;
-}
-
-/// Cuts of one opening lie side by side or across each other.
-bool same_opening(const Opening& p, const Opening& q) {
-  if (cross_each_other(p, q)) return true;
-  const double near = 0.5 * std::max(p.width_m(), q.width_m());
-  return (p.centre() - q.centre()).norm() < near && std::abs((p.b - p.a).normalized().dot((q.b - q.a).normalized())) > kSameWay;
-}
+constexpr double kSameWay = 0.7;                       // |cos| between the mouth of a slot and its short sides
 
 /// Sets of regions that became one.
 class Regions {
@@ -101,20 +85,6 @@ void join_small_regions(const std::vector<CutOpening>& cuts, std::vector<double>
     regions.join(way->left, way->right);
     area_m2[static_cast<std::size_t>(regions.root(way->left))] = sum;
   }
-}
-
-std::vector<CutOpening> choose_cuts(const std::vector<Opening>& openings, double min_probability) {
-  constexpr double kSquare_m = 3.5;
-  std::vector<CutOpening> cuts;
-  PlanIndex index(kSquare_m);
-  for (const Opening& opening : openings) {
-    if (opening.probability < min_probability) break;
-    const std::vector<std::size_t> near = index.near(opening.a, opening.b, 0.5 * kSquare_m);
-    if (std::any_of(near.begin(), near.end(), [&](std::size_t k) { return same_opening(cuts[k].opening, opening); })) continue;
-    index.add(opening.a, opening.b, cuts.size());
-    cuts.push_back({opening, 0, 0});
-  }
-  return cuts;
 }
 
 }  // namespace
@@ -275,7 +245,8 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
     parted_ = cv::Mat1b(floor.open.size(), std::uint8_t{0});
     partition_.labels = cv::Mat1i(floor.open.size(), 0);
   }
-  std::vector<CutOpening> cuts = choose_cuts(openings, options_.min_probability);
+  std::vector<CutOpening> cuts;
+  for (const std::size_t k : choice_.update(openings)) cuts.push_back({openings[k], 0, 0});
   std::vector<CutLine> lines, kept, healed;
   for (const CutOpening& cut : cuts) lines.push_back({cut.opening.a, cut.opening.b, 0});
   const Boxes parted = draw_cuts(floor, space, std::move(lines), open);
@@ -329,6 +300,8 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
 
 Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, std::vector<Opening> openings,
                      const PartitionOptions& options) {
+  const auto is_unsure = [&](const Opening& opening) { return opening.probability < options.min_probability; };
+  openings.erase(std::remove_if(openings.begin(), openings.end(), is_unsure), openings.end());
   std::stable_sort(openings.begin(), openings.end(), [](const Opening& p, const Opening& q) { return p.probability > q.probability; });
   FloorParter parter(options);
   WallSet set;

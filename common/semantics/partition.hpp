@@ -5,8 +5,8 @@
 #include <set>
 #include <tuple>
 
+#include "common/semantics/cut_choice.hpp"
 #include "common/semantics/memo.hpp"
-#include "common/semantics/openings.hpp"
 #include "common/semantics/tiled_regions.hpp"
 
 namespace modslam {
@@ -78,6 +78,7 @@ class FloorParter {
 
   PartitionOptions options_;
   Partition partition_;
+  CutChoice choice_;
   TiledRegions tiles_;
   cv::Mat1b parted_;                            ///< the floor without its cuts
   std::vector<CutLine> drawn_, kept_, healed_;  ///< of the last round, in order
