@@ -132,7 +132,10 @@ std::vector<cv::Point> rim_cells(const cv::Mat1b& mask) {
   return cells;
 }
 
-double thickness_m(const cv::Mat1b& mask, double resolution_m) { return (2 * deepest(mask) - 1) * resolution_m; }
+double thickness_m(const cv::Mat1b& mask, double resolution_m) {
+  const cv::Rect box = cv::boundingRect(mask);  // what lies around it says nothing
+  return box.area() > 0 ? (2 * deepest(mask(box)) - 1) * resolution_m : -resolution_m;
+}
 
 double polygon_area_m2(const std::vector<Eigen::Vector2d>& outline) {
   double twice = 0;

@@ -66,17 +66,21 @@ double doorway_m(const Opening& cut, const Eigen::Vector2d& n, IsFloor is_floor)
 void drop_unlikely_pieces(cv::Mat1b& filled, const RoomPatch& patch) {
   const double cell_m = patch.space.resolution_m;
   const int strip = 2 * static_cast<int>(std::lround(kStrip_m / cell_m / 2)) + 1;
+  const cv::Rect all = grown(cv::boundingRect(filled), strip) & cv::Rect({0, 0}, filled.size());
   cv::Mat1b broad, piece;
-  cv::morphologyEx(filled, broad, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {strip, strip}));
-  cv::Mat1i pieces;
+  if (all.area() == 0) return;
+  cv::morphologyEx(filled(all).clone(), broad, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {strip, strip}));
+  cv::Mat1i pieces, figures;
+  cv::Mat1d centres;
   if (cv::countNonZero(broad) == 0) return;
-  const int count = cv::connectedComponents(broad, pieces, 4, CV_32S);
+  const int count = cv::connectedComponentsWithStats(broad, pieces, figures, centres, 4, CV_32S);
   for (int k = 1; k < count; ++k) {
-    cv::inRange(pieces, k, k, piece);
+    const cv::Rect box(figures(k, cv::CC_STAT_LEFT), figures(k, cv::CC_STAT_TOP), figures(k, cv::CC_STAT_WIDTH), figures(k, cv::CC_STAT_HEIGHT));
+    cv::inRange(pieces(box), k, k, piece);
     const cv::Size2f size = cv::minAreaRect(rim_cells(piece)).size;
     const double thick_m = thickness_m(piece, cell_m), along_m = std::max(size.width, size.height) * cell_m;
     const bool likely = thick_m < kCounter_m || (thick_m < kBulky_m && (patch.parking || along_m < kBulkyLength_m));
-    if (!likely) filled.setTo(0, piece);
+    if (!likely) filled(box + all.tl()).setTo(0, piece);
   }
 }
 
