@@ -111,7 +111,7 @@ double CutFeatures::wall_at_m(const Vec& p) const {
 Opening CutFeatures::measure(const FloorCut& cut, double narrowest, CutReads& reads) const {
   const Vec u = (cut.b - cut.a).normalized(), n(-u.y(), u.x());
   Opening out;
-  const auto place = [&](const Vec& p) -> Vec { return space_.origin_m + cell_m_ * (p + Vec(0.5, 0.5)); };
+  const auto place = [&](const Vec& p) -> Vec { return space_.place(p.x() + 0.5, p.y() + 0.5); };
   out.a = place(cut.a);
   out.b = place(cut.b);
   auto& f = out.features;

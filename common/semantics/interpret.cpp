@@ -139,9 +139,8 @@ Interpreter::Bands Interpreter::find_bands(const KnownSpace& space, const Boxes&
     wall.evidence = count ? sum / count : 0.0;
     wall.on_object = stands_on(wall, space, [&](const cv::Point& c) { return objects_.mask(c) > 0; });
   };
-  const double cell_m = space.resolution_m;
   for (const cv::Rect& box : changed)
-    odds_changed.push_back(plan_box(space.origin_m + cell_m * Eigen::Vector2d(box.x, box.y), space.origin_m + cell_m * Eigen::Vector2d(box.br().x, box.br().y), 0));
+    odds_changed.push_back(plan_box(space.place(box.x, box.y), space.place(box.br().x, box.br().y), 0));
   return walls_.update(is_solid, finish, odds_changed);
 }
 
@@ -149,7 +148,7 @@ std::vector<bool> Interpreter::find_furniture(const std::vector<Wall>& faces, co
   std::vector<PlanBox> boxes;
   const double cell_m = space.resolution_m;
   for (const cv::Rect& box : windows(changed, static_cast<int>(kNewsTogether_m / cell_m), space.occupancy.size()))
-    boxes.push_back({space.origin_m + cell_m * Eigen::Vector2d(box.x, box.y), space.origin_m + cell_m * Eigen::Vector2d(box.br().x, box.br().y)});
+    boxes.push_back({space.place(box.x, box.y), space.place(box.br().x, box.br().y)});
   return furniture_.update(faces, [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); }, boxes);
 }
 
@@ -223,7 +222,7 @@ void Interpreter::drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& 
   std::vector<std::size_t> stirred = news.come;
   for (const cv::Rect& box : find_hidden(layers.rooms, space, open)) {
     const double cell_m = space.resolution_m;
-    const auto near = known_walls_.near(space.origin_m + cell_m * Eigen::Vector2d(box.x, box.y), space.origin_m + cell_m * Eigen::Vector2d(box.br().x, box.br().y), kBehind_m + cell_m);
+    const auto near = known_walls_.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), kBehind_m + cell_m);
     stirred.insert(stirred.end(), near.begin(), near.end());
   }
   hides_.resize(known_walls_.end(), false);

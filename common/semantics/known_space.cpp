@@ -18,7 +18,7 @@ Ring to_ring(const std::vector<cv::Point>& contour, const KnownSpace& space, dou
   cv::approxPolyDP(contour, simple, 2 * tolerance_m / space.resolution_m, true);
   Ring ring;
   for (const cv::Point& c : simple)
-    ring.push_back(space.origin_m + 0.5 * space.resolution_m * Eigen::Vector2d(c.x + 0.5, c.y + 0.5));
+    ring.push_back(space.place(0.5 * (c.x + 0.5), 0.5 * (c.y + 0.5)));
   return ring;
 }
 
@@ -39,9 +39,7 @@ void splice(Ring& outline, const Ring& hole) {
 
 Boxes KnownSpace::update(const OccupancyMap& map, const std::set<OccupancyMap::TileIndex>& tiles) {
   constexpr int kTile = OccupancyMap::kTileCells;
-  const auto cell_of = [&](double x_m) { return static_cast<int>(std::lround(x_m / resolution_m)); };
-  const cv::Point corner(cell_of(origin_m.x()), cell_of(origin_m.y()));
-  const cv::Rect before(corner, occupancy.size());
+  const cv::Rect before = this->frame();
   cv::Rect frame = before;
   for (const auto& [x, y] : tiles) {
     const cv::Rect room = grown({x * kTile, y * kTile, kTile, kTile}, kFrameMargin);
@@ -55,7 +53,7 @@ Boxes KnownSpace::update(const OccupancyMap& map, const std::set<OccupancyMap::T
     cv::Mat1b larger(frame.size(), std::uint8_t{0});
     if (!empty()) occupancy.copyTo(larger(before - frame.tl()));
     occupancy = larger;
-    origin_m = resolution_m * Eigen::Vector2d(frame.x, frame.y);
+    corner = frame.tl();
   }
   Boxes changed;
   cv::Mat1b picture(kTile, kTile);

@@ -53,7 +53,7 @@ bool make_object(const Island& island, const KnownSpace& space, const Floor& flo
   const int hits = cv::countNonZero(hit);
   if (hits == 0) return false;
   KnownSpace part = space;
-  part.origin_m += cell_m * Eigen::Vector2d(island.box.x, island.box.y);
+  part.corner += island.box.tl();
   object.outline = outline_of(island.mask, part, 1e9, 0.1);
   object.area_m2 = area_m2;
   const cv::Size2f sides = cv::minAreaRect(rim_cells(island.mask)).size;

@@ -65,6 +65,12 @@ void note_news(const std::vector<Thing>& before, const std::vector<Thing>& now, 
   note(now, before);
 }
 
+/// To so fine a fraction of a cell that whole cells can be added without rounding: a raster that grows may begin at another cell.
+Vec on_lattice(const Vec& p) {
+  constexpr double kFine = 4294967296.0;
+  return {std::round(p.x() * kFine) / kFine, std::round(p.y() * kFine) / kFine};
+}
+
 /// A cut from a corner that may be kept.
 struct Candidate {
   double length;
@@ -158,7 +164,7 @@ void OpeningMap::recollect(const Floor& floor, const Boxes& changed) {
           const Vec d = edge.b - edge.a;
           const double share = d.dot(corner.p - edge.a) / d.squaredNorm();
           if (!(share > 0.02 && share < 0.98)) continue;
-          const Vec foot = edge.a + share * d;
+          const Vec foot = corner.p + on_lattice(edge.a - corner.p + share * d);
           if (const double length = length_of(foot); fits(length) && is_in(other->box, foot)) to_edges.push_back({length, foot, nullptr, &edge});
         }
       }

@@ -237,7 +237,7 @@ RoomPatch RoomMap::patch_of(int region, const Partition& partition, const Floor&
   RoomPatch patch{{}, {}, barrier(box - wide.tl()), doorways, {}, cv::Mat1b(box.size(), std::uint8_t{0}), space, found.parking, glimpse};
   patch.space.occupancy = space.occupancy(box);
   cv::inRange(patch.space.occupancy, 1, 255, patch.seen);
-  patch.space.origin_m += cell_m * Eigen::Vector2d(box.x, box.y);
+  patch.space.corner += box.tl();
   cv::inRange(partition.labels(box), region, region, patch.mask);
   cv::inRange(partition.labels(box), 1, std::numeric_limits<int>::max(), patch.foreign);
   patch.foreign.setTo(0, patch.mask);
