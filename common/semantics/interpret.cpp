@@ -121,6 +121,21 @@ Interpreter::Interpreter(const SemanticsConfig& config)
     : config_(config), walls_(wall_options(config)), openings_(config.opening_max_m, OpeningModel(config.opening_trees)), parter_(parting_options(config)),
       rooms_(room_options(config)) {}
 
+/// What is kept in cells moves with the raster's corner when that grows; nothing else is new by it.
+void Interpreter::follow(const KnownSpace& space) {
+  const Growth growth{frame_.tl() - space.corner, space.occupancy.size()};
+  const bool grew = frame_.area() > 0 && frame_ != space.frame();
+  frame_ = space.frame();
+  if (!grew) return;
+  floor_.grow(growth);
+  objects_.grow(growth);
+  openings_.grow(growth);
+  parter_.grow(growth);
+  rooms_.grow(growth);
+  hidden_ = grown(hidden_, growth, 0);
+  for (auto& [region, ring] : known_rings_) ring.box += growth.shift;
+}
+
 Interpreter::Bands Interpreter::find_bands(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed) {
   const cv::Rect frame({0, 0}, space.occupancy.size());
   const auto is_solid = [&](const Eigen::Vector2d& p) {
@@ -238,6 +253,7 @@ void Interpreter::drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& 
 SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed) {
   SemanticLayers layers;
   if (space.empty()) return layers;
+  follow(space);
   const FloorChange floor = update_floor(floor_, space, config_.object_max_m2, changed);
   Boxes stirred = update_objects(objects_, space, floor_, changed, floor.islands);
   stirred.insert(stirred.end(), changed.begin(), changed.end());

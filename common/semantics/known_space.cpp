@@ -50,9 +50,7 @@ Boxes KnownSpace::update(const OccupancyMap& map, const std::set<OccupancyMap::T
   }
   const bool outgrown = frame != before;
   if (outgrown) {
-    cv::Mat1b larger(frame.size(), std::uint8_t{0});
-    if (!empty()) occupancy.copyTo(larger(before - frame.tl()));
-    occupancy = larger;
+    occupancy = empty() ? cv::Mat1b(frame.size(), std::uint8_t{0}) : grown(occupancy, {before.tl() - frame.tl(), frame.size()}, 0);
     corner = frame.tl();
   }
   Boxes changed;
@@ -61,7 +59,7 @@ Boxes KnownSpace::update(const OccupancyMap& map, const std::set<OccupancyMap::T
     map.classes(index, picture[0]);
     take_over(occupancy, cv::Rect(index.first * kTile, index.second * kTile, kTile, kTile) - frame.tl(), picture, changed);
   }
-  return outgrown ? Boxes{cv::Rect({0, 0}, frame.size())} : changed;
+  return before.area() == 0 && outgrown ? Boxes{cv::Rect({0, 0}, frame.size())} : changed;
 }
 
 KnownSpace::KnownSpace(const MapImage& map, double resolution) : resolution_m(resolution) {

@@ -19,7 +19,8 @@ struct KnownSpace {
   /// The part of a finished map around what is known, in cells of `resolution_m`: a finer map's cell is occupied where any of its cells is.
   KnownSpace(const MapImage& map, double resolution_m);
 
-  /// Takes tiles of a growing map over. @return where the answer for a cell changed; all of it when the building outgrew the frame.
+  /// Takes tiles of a growing map over. The raster grows by whole squares of kFrameCells. @return where the answer for a cell
+  /// changed; the first time all of it.
   Boxes update(const OccupancyMap& map, const std::set<OccupancyMap::TileIndex>& tiles);
 
   bool empty() const { return occupancy.empty(); }

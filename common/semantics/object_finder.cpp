@@ -66,6 +66,12 @@ bool make_object(const Island& island, const KnownSpace& space, const Floor& flo
 
 }  // namespace
 
+void ObjectMap::grow(const Growth& growth) {
+  mask = grown(mask, growth, 0);
+  for (Footprint& footprint : objects)
+    for (cv::Rect* box : {&footprint.island.box, &footprint.whole.box}) *box += growth.shift;
+}
+
 Boxes update_objects(ObjectMap& map, const KnownSpace& space, const Floor& floor, const Boxes& changed, const std::vector<Island>& islands) {
   const cv::Size frame = space.occupancy.size();
   if (map.mask.size() != frame) map = {{}, cv::Mat1b(frame, std::uint8_t{0})};

@@ -114,6 +114,25 @@ void drop_twins(std::vector<FloorCut>& cuts, double near) {
 
 }  // namespace
 
+/// Openings are places in the map and stay; all else are cells.
+void OpeningMap::grow(const Growth& growth) {
+  static_assert(kFrameCells % kPlanBlock == 0, "blocks stay whole when the frame grows");
+  const Vec shift(growth.shift.x, growth.shift.y);
+  std::map<Index, Block> blocks;
+  for (auto& [index, block] : blocks_) {
+    block.box += growth.shift;
+    for (Corner& corner : block.outline.corners) corner.p += shift;
+    for (Edge& edge : block.outline.edges) edge.a += shift, edge.b += shift;
+    for (Measured& m : block.cuts) {
+      for (Vec* p : {&m.cut.a, &m.cut.b, &m.cut.first.p}) *p += shift;
+      if (m.cut.to_corner) m.cut.second.p += shift;
+      for (cv::Rect* box : {&m.reads.open, &m.reads.clearance, &m.reads.solid}) *box += growth.shift;
+    }
+    blocks.emplace(Index(index.first + growth.shift.x / kPlanBlock, index.second + growth.shift.y / kPlanBlock), std::move(block));
+  }
+  blocks_ = std::move(blocks);
+}
+
 std::vector<const OpeningMap::Block*> OpeningMap::around(const Index& index) const {
   std::vector<const Block*> out;
   for (int dy = -1; dy <= 1; ++dy)

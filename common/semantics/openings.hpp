@@ -62,7 +62,7 @@ class OpeningMap {
 
   /// @param change, walls_changed  where floor and walls are new since the last call.
   void update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const FloorChange& change, const Boxes& walls_changed);
-  void clear() { blocks_.clear(); }
+  void grow(const Growth& growth);
 
   /// All of at least this probability, surest first.
   std::vector<Opening> openings(double min_probability) const;

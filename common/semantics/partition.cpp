@@ -298,6 +298,17 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
   return changed;
 }
 
+void FloorParter::grow(const Growth& growth) {
+  walled_.grow(growth, [](double) {});
+  niches_.grow(growth, [&](Niche& niche) { niche.centre += Vec(growth.shift.x, growth.shift.y); });
+  painted_ = tiles_.regrown(std::move(painted_), growth);
+  painted_stamp_ = tiles_.regrown(std::move(painted_stamp_), growth);
+  tiles_.grow(growth);
+  parted_ = grown(parted_, growth, 0);
+  partition_.labels = grown(partition_.labels, growth, 0);
+  for (auto& [number, region] : partition_.regions) region.box += growth.shift;
+}
+
 Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, std::vector<Opening> openings,
                      const PartitionOptions& options) {
   const auto is_unsure = [&](const Opening& opening) { return opening.probability < options.min_probability; };

@@ -52,6 +52,7 @@ class FloorParter {
   Boxes update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const std::vector<Opening>& openings, const Boxes& open,
                const Boxes& walls_changed);
   const Partition& partition() const { return partition_; }
+  void grow(const Growth& growth);
 
  private:
   struct Niche {

@@ -272,7 +272,6 @@ std::vector<Room> RoomMap::update(const Partition& partition, const Floor& floor
   const double cell_m = space.resolution_m;
   const std::set<int> small = glimpses(partition, cell_m, options_.glimpse_m2);
   const cv::Rect all = bounds(changed);
-  if (all == cv::Rect({0, 0}, space.occupancy.size())) looks_.clear();  // places may be others now
   for (auto& [place, look] : looks_) look.asked = false;
   std::vector<Room> rooms;
   for (const auto& [number, region] : partition.regions) {
@@ -285,6 +284,12 @@ std::vector<Room> RoomMap::update(const Partition& partition, const Floor& floor
   const auto order = [](const Room& room) { return std::pair(room.outline[0].y(), room.outline[0].x()); };
   std::sort(rooms.begin(), rooms.end(), [&](const Room& p, const Room& q) { return order(p) < order(q); });
   return rooms;
+}
+
+void RoomMap::grow(const Growth& growth) {
+  std::multimap<Place, Look> looks;
+  for (auto& [place, look] : looks_) looks.emplace(Place{place[0] + growth.shift.x, place[1] + growth.shift.y, place[2], place[3]}, std::move(look));
+  looks_ = std::move(looks);
 }
 
 std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, const KnownSpace& space, const RoomOptions& options) {

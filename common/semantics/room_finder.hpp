@@ -42,6 +42,7 @@ class RoomMap {
 
   /// @param changed  where partition, floor or space are new since the last call.
   std::vector<Room> update(const Partition& partition, const Floor& floor, const KnownSpace& space, const Boxes& changed);
+  void grow(const Growth& growth);
 
  private:
   /// What was looked at, and what came of it. Most of what is new around a room makes no difference to it.

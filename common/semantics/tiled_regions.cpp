@@ -172,11 +172,20 @@ std::vector<int> TiledRegions::number_sets(const std::vector<int>& root_of, Kind
   return numbers;
 }
 
+/// By whole tiles.
+void TiledRegions::grow(const Growth& growth) {
+  tiles_ = regrown(std::move(tiles_), growth);
+  for (Tile& tile : tiles_)
+    for (Piece& piece : tile.pieces) piece.box += growth.shift;
+  columns_ = columns_in(growth.size);
+  local_ = grown(local_, growth, 0);
+}
+
 void TiledRegions::update(const cv::Mat1b& mask, const Boxes& changed) {
   ++round_;
   if (local_.size() != mask.size()) {
     local_ = cv::Mat1w(mask.size(), std::uint16_t{0});
-    columns_ = (mask.cols + kTile - 1) / kTile;
+    columns_ = columns_in(mask.size());
     tiles_.assign(static_cast<std::size_t>(columns_ * ((mask.rows + kTile - 1) / kTile)), {});
   }
   std::set<int> relabel, relink;

@@ -22,6 +22,19 @@ class TiledRegions {
   /// @param mask  the raster, cells are 0 or 255. @param changed  where it changed since the last call.
   void update(const cv::Mat1b& mask, const Boxes& changed);
 
+  void grow(const Growth& growth);
+  /// What is kept for each tile by others, in the order of the tiles after the raster grew.
+  template <class Kept>
+  std::vector<Kept> regrown(std::vector<Kept> kept, const Growth& growth) const {
+    const int columns_before = columns_in(local_.size()), columns = columns_in(growth.size);
+    std::vector<Kept> out(static_cast<std::size_t>(columns * ((growth.size.height + kTile - 1) / kTile)));
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      const int row = static_cast<int>(k) / columns_before + growth.shift.y / kTile, column = static_cast<int>(k) % columns_before + growth.shift.x / kTile;
+      out[static_cast<std::size_t>(row * columns + column)] = std::move(kept[k]);
+    }
+    return out;
+  }
+
   /// In the order of their first cells, tile by tile; region k stands at k - 1.
   const std::vector<Region>& regions() const { return regions_; }
   /// The region at a cell, from 1; 0: none.
@@ -61,6 +74,7 @@ class TiledRegions {
     std::vector<Piece> pieces;
     std::vector<std::pair<int, int>> right, below;    ///< its pieces and those of the neighbour that they meet
   };
+  static int columns_in(const cv::Size& size) { return (size.width + kTile - 1) / kTile; }
   int tile_of(const cv::Point& c) const { return c.y / kTile * columns_ + c.x / kTile; }
   void label(int tile, const cv::Mat1b& mask);
   void link(int tile);
