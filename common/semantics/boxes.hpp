@@ -33,6 +33,9 @@ inline const std::uint8_t* find_cell(const std::uint8_t* at, const std::uint8_t*
 /// Box around the cells in which two pictures of one size differ; empty: they do not.
 cv::Rect difference(const cv::Mat& p, const cv::Mat& q);
 
+/// Box around the cells that are not 0; empty: there are none.
+cv::Rect box_of_set(const cv::Mat1b& mask);
+
 /// The frame of a raster that grew: where its cells stand now, and its size.
 struct Growth {
   cv::Point shift;

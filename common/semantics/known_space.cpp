@@ -129,7 +129,7 @@ std::vector<cv::Point> rim_cells(const cv::Mat1b& mask) {
 }
 
 double thickness_m(const cv::Mat1b& mask, double resolution_m) {
-  const cv::Rect box = cv::boundingRect(mask);  // what lies around it says nothing
+  const cv::Rect box = box_of_set(mask);  // what lies around it says nothing
   return box.area() > 0 ? (2 * deepest(mask(box)) - 1) * resolution_m : -resolution_m;
 }
 

@@ -66,7 +66,7 @@ double doorway_m(const Opening& cut, const Eigen::Vector2d& n, IsFloor is_floor)
 void drop_unlikely_pieces(cv::Mat1b& filled, const RoomPatch& patch) {
   const double cell_m = patch.space.resolution_m;
   const int strip = 2 * static_cast<int>(std::lround(kStrip_m / cell_m / 2)) + 1;
-  const cv::Rect all = grown(cv::boundingRect(filled), strip) & cv::Rect({0, 0}, filled.size());
+  const cv::Rect all = grown(box_of_set(filled), strip) & cv::Rect({0, 0}, filled.size());
   cv::Mat1b broad, piece;
   if (all.area() == 0) return;
   cv::morphologyEx(filled(all).clone(), broad, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {strip, strip}));
