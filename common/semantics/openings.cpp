@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 #include <tuple>
 
@@ -131,6 +130,7 @@ void OpeningMap::grow(const Growth& growth) {
     blocks.emplace(Index(index.first + growth.shift.x / kPlanBlock, index.second + growth.shift.y / kPlanBlock), std::move(block));
   }
   blocks_ = std::move(blocks);
+  for (Told& one : told_) one.block = {one.block.first + growth.shift.x / kPlanBlock, one.block.second + growth.shift.y / kPlanBlock};
 }
 
 std::vector<const OpeningMap::Block*> OpeningMap::around(const Index& index) const {
@@ -211,7 +211,7 @@ void OpeningMap::take_cuts(Block& block, const std::vector<FloorCut>& cuts) {
   }
   for (; before != block.cuts.end(); ++before) news.push_back(box_of(before->cut));
   block.cuts = std::move(now);
-  block.surest.clear();
+  block.told = block.told && news.empty();
 }
 
 double OpeningMap::narrowest_near(const Index& index, const FloorCut& cut, double cell_m) const {
@@ -233,7 +233,6 @@ void OpeningMap::measure(const Index& index, const CutFeatures& features, double
     if (!m.known || meet(news.open, m.reads.open) || meet(news.clearance, m.reads.clearance) || meet(news.solid, m.reads.solid)) return true;
     return meet(cuts, grown(box_of(m.cut), static_cast<int>(nearby(m.cut, cell_m)) + 1));
   };
-  bool sorted = !block.surest.empty();
   for (Measured& m : block.cuts) {
     bool changes = is_stale(m);
     if (changes) {
@@ -243,12 +242,8 @@ void OpeningMap::measure(const Index& index, const CutFeatures& features, double
       changes = features.measure_walls(m.opening);
     }
     if (changes) m.opening.probability = model_.probability(m.opening.features.data());
-    sorted = sorted && !changes;
+    block.told = block.told && !changes;
   }
-  if (sorted) return;
-  block.surest.resize(block.cuts.size());
-  std::iota(block.surest.begin(), block.surest.end(), std::size_t{0});
-  std::stable_sort(block.surest.begin(), block.surest.end(), [&](std::size_t p, std::size_t q) { return block.cuts[p].opening.probability > block.cuts[q].opening.probability; });
 }
 
 void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const FloorChange& change, const Boxes& walls_changed) {
@@ -279,18 +274,26 @@ void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallS
   }
 }
 
-std::vector<Opening> OpeningMap::openings(double min_probability) const {
-  std::vector<const Opening*> sure;
-  for (const auto& [index, block] : blocks_)
-    for (const std::size_t k : block.surest) {
-      if (block.cuts[k].opening.probability < min_probability) break;
-      sure.push_back(&block.cuts[k].opening);
-    }
-  const auto order = [](const Opening& o) { return std::tuple(-o.probability, o.a.x(), o.a.y(), o.b.x(), o.b.y()); };
-  std::sort(sure.begin(), sure.end(), [&](const Opening* p, const Opening* q) { return order(*p) < order(*q); });
+std::vector<Opening> OpeningMap::openings(double min_probability) {
+  const bool all = told_from_ != min_probability;
+  told_from_ = min_probability;
+  told_.erase(std::remove_if(told_.begin(), told_.end(), [&](const Told& one) { return all || !blocks_.at(one.block).told; }), told_.end());
+  const auto stays = static_cast<std::ptrdiff_t>(told_.size());
+  for (auto& [index, block] : blocks_) {
+    if (block.told && !all) continue;
+    block.told = true;
+    for (const Measured& m : block.cuts)
+      if (m.opening.probability >= min_probability) told_.push_back({m.opening, index});
+  }
+  const auto is_surer = [](const Told& p, const Told& q) {
+    const auto order = [](const Opening& o) { return std::tuple(-o.probability, o.a.x(), o.a.y(), o.b.x(), o.b.y()); };
+    return order(p.opening) < order(q.opening);
+  };
+  std::sort(told_.begin() + stays, told_.end(), is_surer);
+  std::inplace_merge(told_.begin(), told_.begin() + stays, told_.end(), is_surer);
   std::vector<Opening> out;
-  out.reserve(sure.size());
-  for (const Opening* opening : sure) out.push_back(*opening);
+  out.reserve(told_.size());
+  for (const Told& one : told_) out.push_back(one.opening);
   return out;
 }
 

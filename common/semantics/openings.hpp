@@ -64,8 +64,8 @@ class OpeningMap {
   void update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const FloorChange& change, const Boxes& walls_changed);
   void grow(const Growth& growth);
 
-  /// All of at least this probability, surest first.
-  std::vector<Opening> openings(double min_probability) const;
+  /// All of at least this probability, surest first. Blocks without news are not looked at again.
+  std::vector<Opening> openings(double min_probability);
 
  private:
   /// A cut, with what was measured of it.
@@ -79,7 +79,7 @@ class OpeningMap {
     cv::Rect box;
     Outline outline;
     std::vector<Measured> cuts;              ///< shortest first
-    std::vector<std::size_t> surest;         ///< the same, surest first
+    bool told = false;                       ///< openings() knows of them
     Boxes news;                              ///< middles of cuts that came or went in this round
   };
   /// Where things are new that features depend on.
@@ -98,6 +98,12 @@ class OpeningMap {
   double max_width_m_;
   OpeningModel model_;
   std::map<Index, Block> blocks_;
+  struct Told {
+    Opening opening;
+    Index block;
+  };
+  std::vector<Told> told_;    ///< by openings() the last time
+  double told_from_ = 0;      ///< the probability that was asked for then
 };
 
 /// All cuts of at most max_width_m that a corner of the floor's outline takes part in, with features and probability.

@@ -65,13 +65,18 @@ int region_beside(RegionAt region_at, const KnownSpace& space, const Opening& cu
 }
 
 void join_small_regions(const std::vector<CutOpening>& cuts, std::vector<double> area_m2, double min_room_m2, Regions& regions) {
+  std::vector<const CutOpening*> ways;  // out of regions that are too small; no others become so
+  const auto is_small = [&](int region) { return area_m2[static_cast<std::size_t>(regions.root(region))] < min_room_m2; };
+  for (const CutOpening& cut : cuts)
+    if (cut.left && cut.right && (is_small(cut.left) || is_small(cut.right))) ways.push_back(&cut);
   for (;;) {
     // The smallest region that has a neighbour goes first; each round makes one region fewer.
     int smallest = 0;
     const CutOpening* way = nullptr;
-    for (const CutOpening& cut : cuts) {
+    for (const CutOpening* one : ways) {
+      const CutOpening& cut = *one;
       const int left = regions.root(cut.left), right = regions.root(cut.right);
-      if (cut.left == 0 || cut.right == 0 || left == right) continue;
+      if (left == right) continue;
       for (const int side : {left, right}) {
         const double area = area_m2[static_cast<std::size_t>(side)];
         if (area >= min_room_m2) continue;
