@@ -33,6 +33,23 @@ inline const std::uint8_t* find_cell(const std::uint8_t* at, const std::uint8_t*
 /// Box around the cells in which two pictures of one size differ; empty: they do not.
 cv::Rect difference(const cv::Mat& p, const cv::Mat& q);
 
+/// Box around the cells that are not 0; empty: there are none.
+cv::Rect box_of_set(const cv::Mat1b& mask);
+
+/// The frame of a raster that grew: where its cells stand now, and its size.
+struct Growth {
+  cv::Point shift;
+  cv::Size size;
+};
+
+/// A raster that grew, with `value` in its new cells.
+template <class Raster>
+Raster grown(const Raster& before, const Growth& growth, typename Raster::value_type value) {
+  Raster out(growth.size, value);
+  before.copyTo(out(cv::Rect(growth.shift, before.size())));
+  return out;
+}
+
 /// Takes the picture over into `whole` at `box`, and notes where that changed it.
 void take_over(cv::Mat whole, const cv::Rect& box, const cv::Mat& picture, Boxes& changed);
 

@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/semantics/plan_index.hpp"
-
 namespace modslam {
 namespace {
 
 using Vec = Eigen::Vector2d;
 
-constexpr double kSameWay = 0.7;                       // |cos| of cuts that may be one opening
+constexpr double kSameWay = 0.7;  // |cos| of cuts that may be one opening
 
 double side_of(const Vec& a, const Vec& b, const Vec& p) { return (b - a).x() * (p - a).y() - (b - a).y() * (p - a).x(); }
 
@@ -30,18 +28,64 @@ bool same_opening(const Opening& p, const Opening& q) {
 
 }  // namespace
 
-std::vector<CutOpening> choose_cuts(const std::vector<Opening>& openings, const CutLimits& limits) {
-  constexpr double kSquare_m = 3.5;
-  std::vector<CutOpening> cuts;
-  PlanIndex index(kSquare_m);
-  for (const Opening& opening : openings) {
-    if (!limits.take(opening)) continue;
-    const std::vector<std::size_t> near = index.near(opening.a, opening.b, 0.5 * kSquare_m);
-    if (std::any_of(near.begin(), near.end(), [&](std::size_t k) { return same_opening(cuts[k].opening, opening); })) continue;
-    index.add(opening.a, opening.b, cuts.size());
-    cuts.push_back({opening, 0, 0});
+std::size_t CutChoice::take(const Opening& opening) {
+  if (free_.empty()) {
+    free_.push_back(slots_.size());
+    slots_.emplace_back();
   }
-  return cuts;
+  const std::size_t slot = free_.back();
+  free_.pop_back();
+  slots_[slot] = {opening, false};
+  index_.add(opening.a, opening.b, slot);
+  return slot;
+}
+
+void CutChoice::drop(std::size_t slot) {
+  const Opening& opening = slots_[slot].opening;
+  if (slots_[slot].chosen) stirred_.push_back({opening.centre(), 0.5 * opening.width_m()});
+  index_.remove(opening.a, opening.b, slot);
+  free_.push_back(slot);
+}
+
+/// Openings whose middles are farther apart than half of both their widths have nothing to do with each other.
+bool CutChoice::is_stirred(const Opening& opening) const {
+  if (stirred_.empty()) return false;
+  const Vec centre = opening.centre();
+  const double half_m = 0.5 * opening.width_m() + 0.01;
+  return std::any_of(stirred_.begin(), stirred_.end(), [&](const Stirred& other) {
+    const double reach_m = half_m + other.half_m;
+    return (centre - other.centre).squaredNorm() < reach_m * reach_m;
+  });
+}
+
+void CutChoice::choose(std::size_t slot) {
+  Slot& asked = slots_[slot];
+  const std::vector<std::size_t> near = index_.near(asked.opening.a, asked.opening.b, 0.5 * kSquare_m);
+  const bool chosen = std::none_of(near.begin(), near.end(), [&](std::size_t k) {
+    return slots_[k].chosen && slots_[k].order() < asked.order() && same_opening(slots_[k].opening, asked.opening);
+  });
+  if (chosen != asked.chosen) stirred_.push_back({asked.opening.centre(), 0.5 * asked.opening.width_m()});
+  asked.chosen = chosen;
+}
+
+const std::vector<std::size_t>& CutChoice::update(const std::vector<Opening>& openings) {
+  stirred_.clear();
+  chosen_.clear();
+  std::vector<std::size_t> listed;
+  listed.reserve(openings.size());
+  auto before = listed_.begin();
+  for (std::size_t k = 0; k < openings.size(); ++k) {
+    const auto order = Slot{openings[k], false}.order();
+    for (; before != listed_.end() && slots_[*before].order() < order; ++before) drop(*before);
+    const bool known = before != listed_.end() && slots_[*before].order() == order;
+    listed.push_back(known ? *before++ : take(openings[k]));
+    slots_[listed.back()].opening = openings[k];
+    if (!known || is_stirred(openings[k])) choose(listed.back());
+    if (slots_[listed.back()].chosen) chosen_.push_back(k);
+  }
+  for (; before != listed_.end(); ++before) drop(*before);
+  listed_ = std::move(listed);
+  return chosen_;
 }
 
 }  // namespace modslam

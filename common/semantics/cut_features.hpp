@@ -7,14 +7,13 @@ namespace modslam {
 
 class CutFeatures {
  public:
+
   CutFeatures(const Floor& floor, const KnownSpace& space, const WallSet& walls);
 
-  /// @param narrowest  length of the narrowest cut near by.
-  Opening measure(const FloorCut& cut, double narrowest) const;
+  /// @param narrowest  length of the narrowest cut near by. @param reads  set to where the floor was looked at.
+  Opening measure(const FloorCut& cut, double narrowest, CutReads& reads) const;
   /// The features that tell of walls at the ends, filled in. @return whether that changed them.
   bool measure_walls(Opening& opening) const;
-  /// Cells that the features depend on.
-  static cv::Rect reach(const FloorCut& cut, double cell_m);
 
  private:
   struct Side {
@@ -24,9 +23,9 @@ class CutFeatures {
     const cv::Point c(cvRound(p.x()), cvRound(p.y()));
     return c.x >= 0 && c.y >= 0 && c.x < floor_.open.cols && c.y < floor_.open.rows && floor_.open(c);
   }
-  double solid_beyond_m(const Eigen::Vector2d& p, const Eigen::Vector2d& out) const;
-  double hit_share(const Eigen::Vector2d& p, const Eigen::Vector2d& out) const;
-  Side look(const FloorCut& cut, const Eigen::Vector2d& n) const;
+  double solid_beyond_m(const Eigen::Vector2d& p, const Eigen::Vector2d& out, CutReads& reads) const;
+  double hit_share(const Eigen::Vector2d& p, const Eigen::Vector2d& out, CutReads& reads) const;
+  Side look(const FloorCut& cut, const Eigen::Vector2d& n, CutReads& reads) const;
   double wall_at_m(const Eigen::Vector2d& p) const;
 
   const Floor& floor_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace modslam {
 namespace {
@@ -21,6 +22,7 @@ Eigen::Vector2d centre_of(const DoorSighting& s) { return 0.5 * (s.a + s.b); }
 
 void DoorSightings::add(const DoorSighting& sighting, int sign) {
   if (!(centre_of(sighting).cwiseAbs().maxCoeff() < 1e6)) return;
+  stirred_.push_back(centre_of(sighting));
   std::vector<DoorSighting>& here = squares_[key_of(square_of(centre_of(sighting)))];
   if (sign > 0) {
     here.push_back(sighting);
@@ -30,7 +32,7 @@ void DoorSightings::add(const DoorSighting& sighting, int sign) {
   if (const auto found = std::find_if(here.begin(), here.end(), same); found != here.end()) here.erase(found);
 }
 
-int DoorSightings::support(const Opening& opening, double centre_m) const {
+int DoorSightings::count(const Opening& opening, double centre_m) const {
   const Eigen::Vector2d u = (opening.b - opening.a).normalized(), reach(centre_m, centre_m);
   const auto low = square_of(opening.centre() - reach), high = square_of(opening.centre() + reach);
   int count = 0;
@@ -46,22 +48,51 @@ int DoorSightings::support(const Opening& opening, double centre_m) const {
   return count;
 }
 
+std::size_t DoorSightings::Hash::operator()(const Ends& ends) const {
+  std::size_t hash = 0;
+  for (const double x : ends) hash = hash * 1000003 + std::hash<double>()(x);
+  return hash;
+}
+
+bool DoorSightings::is_stirred(const Opening& opening, double centre_m) const {
+  const Eigen::Vector2d centre = opening.centre();
+  return std::any_of(stirred_.begin(), stirred_.end(), [&](const Eigen::Vector2d& p) { return (p - centre).squaredNorm() <= centre_m * centre_m; });
+}
+
+std::vector<int> DoorSightings::support(const std::vector<CutOpening>& cuts, double centre_m) {
+  if (stirred_.size() > cuts.size()) known_.clear();  // much moved: counting costs less than looking for what stayed
+  std::unordered_map<Ends, int, Hash> now(cuts.size());
+  std::vector<int> out;
+  out.reserve(cuts.size());
+  for (const auto& [opening, left, right] : cuts) {
+    const Ends ends{opening.a.x(), opening.a.y(), opening.b.x(), opening.b.y()};
+    const auto known = known_.find(ends);
+    out.push_back(known == known_.end() || is_stirred(opening, centre_m) ? count(opening, centre_m) : known->second);
+    now.emplace(ends, out.back());
+  }
+  known_ = std::move(now);
+  stirred_.clear();
+  return out;
+}
+
 std::vector<Door> find_doors(const Partition& partition, const std::vector<DoorSighting>& sightings, const DoorMapOptions& options) {
   DoorSightings all;
   for (const DoorSighting& sighting : sightings) all.add(sighting, 1);
   return find_doors(partition, all, options);
 }
 
-std::vector<Door> find_doors(const Partition& partition, const DoorSightings& sightings, const DoorMapOptions& options) {
+std::vector<Door> find_doors(const Partition& partition, DoorSightings& sightings, const DoorMapOptions& options) {
   std::vector<Door> doors;
-  for (const CutOpening& cut : partition.cuts) {
+  const std::vector<int> support = sightings.support(partition.cuts, options.centre_m);
+  for (std::size_t k = 0; k < partition.cuts.size(); ++k) {
+    const CutOpening& cut = partition.cuts[k];
     const Opening& opening = cut.opening;
     if (opening.width_m() < options.min_width_m || opening.width_m() > options.max_width_m) continue;
     Door door;
     door.a = opening.a;
     door.b = opening.b;
     const double from_shape = std::log(opening.probability / std::max(1e-6, 1 - opening.probability));
-    const double from_sightings = kEvidencePerSighting * sightings.support(opening, options.centre_m);
+    const double from_sightings = kEvidencePerSighting * support[k];
     door.evidence = std::min(kMaxEvidence, from_shape + from_sightings);
     door.region_a = cut.left;
     door.region_b = cut.right;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Doors: the openings between rooms that are as wide as doors, with what scans saw of them over time (thesis 3.4.3).
 #pragma once
+#include <array>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -21,15 +22,24 @@ class DoorSightings {
  public:
   /// Map frame; sign -1 takes it back.
   void add(const DoorSighting& sighting, int sign);
-  /// Sightings that say the same as the opening.
-  int support(const Opening& opening, double centre_m) const;
+  /// How many sightings say the same as each cut's opening. Counted are those of cuts that were not asked about in the last call, or near which sightings came or went.
+  std::vector<int> support(const std::vector<CutOpening>& cuts, double centre_m);
 
  private:
+  using Ends = std::array<double, 4>;
+  struct Hash {
+    std::size_t operator()(const Ends& ends) const;
+  };
+  int count(const Opening& opening, double centre_m) const;
+  bool is_stirred(const Opening& opening, double centre_m) const;
+
   std::unordered_map<std::int64_t, std::vector<DoorSighting>> squares_;
+  std::vector<Eigen::Vector2d> stirred_;              ///< centres of sightings that came or went since the last call
+  std::unordered_map<Ends, int, Hash> known_;         ///< counts of the last call, by both ends of the opening
 };
 
 /// @param sightings each adds to the evidence of the door it saw.
-std::vector<Door> find_doors(const Partition& partition, const DoorSightings& sightings, const DoorMapOptions& options);
+std::vector<Door> find_doors(const Partition& partition, DoorSightings& sightings, const DoorMapOptions& options);
 std::vector<Door> find_doors(const Partition& partition, const std::vector<DoorSighting>& sightings, const DoorMapOptions& options);
 
 }  // namespace modslam

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace modslam {
 namespace {
@@ -72,22 +71,23 @@ bool DoorStates::stays(State& state, Door& door, std::size_t n_nodes, const std:
 void DoorStates::update(const SemanticLayers& before, SemanticLayers& now, std::size_t n_nodes, const std::function<View(std::size_t)>& view) {
   std::map<std::int64_t, State> states;
   for (Door& door : now.doors) {
-    State& state = states[door.id] = states_[door.id];
+    auto known = states_.extract(door.id);  // no copy: doors are many
+    State& state = known ? states.insert(std::move(known)).position->second : states[door.id];
     ask(state, door, n_nodes, view);
     door.closed = state.log_odds < 0;
     state.kept = false;
   }
-  std::set<std::int64_t> rooms;
-  for (const Room& room : now.rooms) rooms.insert(room.id);
-  const std::vector<Door> openings = now.doors;
-  for (Door door : before.doors) {
-    const auto known = states_.find(door.id);
-    if (known == states_.end() || states.count(door.id)) continue;
+  // What is left is no opening any more.
+  const std::size_t n_openings = now.doors.size();
+  for (const Door& opening : before.doors) {
+    const auto known = states_.find(opening.id);
+    if (known == states_.end()) continue;
+    Door door = opening;
     const auto is_same = [&](const Door& other) { return (other.centre() - door.centre()).norm() < kSameDoor_m; };
-    if (std::any_of(openings.begin(), openings.end(), is_same)) continue;
+    if (std::any_of(now.doors.begin(), now.doors.begin() + static_cast<std::ptrdiff_t>(n_openings), is_same)) continue;
     if (!stays(known->second, door, n_nodes, view)) continue;
     for (std::int64_t* room : {&door.room_a, &door.room_b})
-      if (!rooms.count(*room)) *room = 0;
+      if (std::none_of(now.rooms.begin(), now.rooms.end(), [&](const Room& one) { return one.id == *room; })) *room = 0;
     states[door.id] = known->second;
     now.doors.push_back(door);
   }

@@ -72,6 +72,12 @@ void Floor::allocate(const cv::Size& frame) {
   clearance = cv::Mat1f(frame, 0.0F);
 }
 
+void Floor::grow(const Growth& growth) {
+  for (cv::Mat1b* raster : {&open, &solid, &things, &swept, &specks}) *raster = grown(*raster, growth, 0);
+  closed = grown(closed, growth, 255);
+  clearance = grown(clearance, growth, 0.0F);
+}
+
 Floor make_floor(const KnownSpace& space, double island_max_m2) {
   Floor floor;
   update_floor(floor, space, island_max_m2, {cv::Rect({0, 0}, space.occupancy.size())});

@@ -16,6 +16,7 @@ struct Floor {
   cv::Mat1b closed, things, swept, specks;  ///< not seen free; the islands; the floor with loose patches; these patches
 
   void allocate(const cv::Size& frame);
+  void grow(const Growth& growth);
 };
 
 /// Where each raster of the floor changed.

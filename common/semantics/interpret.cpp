@@ -122,6 +122,21 @@ Interpreter::Interpreter(const SemanticsConfig& config)
     : config_(config), walls_(wall_options(config)), openings_(config.opening_max_m, OpeningModel(config.opening_trees)), parter_(parting_options(config)),
       rooms_(room_options(config)) {}
 
+/// What is kept in cells moves with the raster's corner when that grows; nothing else is new by it.
+void Interpreter::follow(const KnownSpace& space) {
+  const Growth growth{frame_.tl() - space.corner, space.occupancy.size()};
+  const bool grew = frame_.area() > 0 && frame_ != space.frame();
+  frame_ = space.frame();
+  if (!grew) return;
+  floor_.grow(growth);
+  objects_.grow(growth);
+  openings_.grow(growth);
+  parter_.grow(growth);
+  rooms_.grow(growth);
+  hidden_ = grown(hidden_, growth, 0);
+  for (auto& [region, ring] : known_rings_) ring.box += growth.shift;
+}
+
 Interpreter::Bands Interpreter::find_bands(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed) {
   const cv::Rect frame({0, 0}, space.occupancy.size());
   const auto is_solid = [&](const Eigen::Vector2d& p) {
@@ -140,9 +155,8 @@ Interpreter::Bands Interpreter::find_bands(const KnownSpace& space, const Boxes&
     wall.evidence = count ? sum / count : 0.0;
     wall.on_object = stands_on(wall, space, [&](const cv::Point& c) { return objects_.mask(c) > 0; });
   };
-  const double cell_m = space.resolution_m;
   for (const cv::Rect& box : changed)
-    odds_changed.push_back(plan_box(space.origin_m + cell_m * Eigen::Vector2d(box.x, box.y), space.origin_m + cell_m * Eigen::Vector2d(box.br().x, box.br().y), 0));
+    odds_changed.push_back(plan_box(space.place(box.x, box.y), space.place(box.br().x, box.br().y), 0));
   return walls_.update(is_solid, finish, odds_changed);
 }
 
@@ -150,7 +164,7 @@ std::vector<bool> Interpreter::find_furniture(const std::vector<Wall>& faces, co
   std::vector<PlanBox> boxes;
   const double cell_m = space.resolution_m;
   for (const cv::Rect& box : windows(changed, static_cast<int>(kNewsTogether_m / cell_m), space.occupancy.size()))
-    boxes.push_back({space.origin_m + cell_m * Eigen::Vector2d(box.x, box.y), space.origin_m + cell_m * Eigen::Vector2d(box.br().x, box.br().y)});
+    boxes.push_back({space.place(box.x, box.y), space.place(box.br().x, box.br().y)});
   return furniture_.update(faces, [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); }, boxes);
 }
 
@@ -224,7 +238,7 @@ void Interpreter::drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& 
   std::vector<std::size_t> stirred = news.come;
   for (const cv::Rect& box : find_hidden(layers.rooms, space, open)) {
     const double cell_m = space.resolution_m;
-    const auto near = known_walls_.near(space.origin_m + cell_m * Eigen::Vector2d(box.x, box.y), space.origin_m + cell_m * Eigen::Vector2d(box.br().x, box.br().y), kBehind_m + cell_m);
+    const auto near = known_walls_.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), kBehind_m + cell_m);
     stirred.insert(stirred.end(), near.begin(), near.end());
   }
   hides_.resize(known_walls_.end(), false);
@@ -240,6 +254,7 @@ void Interpreter::drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& 
 SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed) {
   SemanticLayers layers;
   if (space.empty()) return layers;
+  follow(space);
   const FloorChange floor = update_floor(floor_, space, config_.object_max_m2, changed);
   Boxes stirred = update_objects(objects_, space, floor_, changed, floor.islands);
   stirred.insert(stirred.end(), changed.begin(), changed.end());

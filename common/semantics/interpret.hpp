@@ -30,6 +30,7 @@ class Interpreter {
 
  private:
   using Bands = std::vector<const WallBand*>;
+  void follow(const KnownSpace& space);
   Bands find_bands(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed);
   std::vector<bool> find_furniture(const std::vector<Wall>& faces, const KnownSpace& space, const Boxes& changed);
   Boxes take_walls(const std::vector<Wall>& walls, const KnownSpace& space, WallSet::News& news);
@@ -37,6 +38,7 @@ class Interpreter {
   void drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& space, const Boxes& open, const WallSet::News& news);
 
   SemanticsConfig config_;
+  cv::Rect frame_;                  ///< of the space in its lattice, when it was last seen
   WallMap walls_;
   DoorSightings sightings_;
   Floor floor_;

@@ -18,7 +18,7 @@ Ring to_ring(const std::vector<cv::Point>& contour, const KnownSpace& space, dou
   cv::approxPolyDP(contour, simple, 2 * tolerance_m / space.resolution_m, true);
   Ring ring;
   for (const cv::Point& c : simple)
-    ring.push_back(space.origin_m + 0.5 * space.resolution_m * Eigen::Vector2d(c.x + 0.5, c.y + 0.5));
+    ring.push_back(space.place(0.5 * (c.x + 0.5), 0.5 * (c.y + 0.5)));
   return ring;
 }
 
@@ -39,9 +39,7 @@ void splice(Ring& outline, const Ring& hole) {
 
 Boxes KnownSpace::update(const OccupancyMap& map, const std::set<OccupancyMap::TileIndex>& tiles) {
   constexpr int kTile = OccupancyMap::kTileCells;
-  const auto cell_of = [&](double x_m) { return static_cast<int>(std::lround(x_m / resolution_m)); };
-  const cv::Point corner(cell_of(origin_m.x()), cell_of(origin_m.y()));
-  const cv::Rect before(corner, occupancy.size());
+  const cv::Rect before = this->frame();
   cv::Rect frame = before;
   for (const auto& [x, y] : tiles) {
     const cv::Rect room = grown({x * kTile, y * kTile, kTile, kTile}, kFrameMargin);
@@ -52,10 +50,8 @@ Boxes KnownSpace::update(const OccupancyMap& map, const std::set<OccupancyMap::T
   }
   const bool outgrown = frame != before;
   if (outgrown) {
-    cv::Mat1b larger(frame.size(), std::uint8_t{0});
-    if (!empty()) occupancy.copyTo(larger(before - frame.tl()));
-    occupancy = larger;
-    origin_m = resolution_m * Eigen::Vector2d(frame.x, frame.y);
+    occupancy = empty() ? cv::Mat1b(frame.size(), std::uint8_t{0}) : grown(occupancy, {before.tl() - frame.tl(), frame.size()}, 0);
+    corner = frame.tl();
   }
   Boxes changed;
   cv::Mat1b picture(kTile, kTile);
@@ -63,7 +59,7 @@ Boxes KnownSpace::update(const OccupancyMap& map, const std::set<OccupancyMap::T
     map.classes(index, picture[0]);
     take_over(occupancy, cv::Rect(index.first * kTile, index.second * kTile, kTile, kTile) - frame.tl(), picture, changed);
   }
-  return outgrown ? Boxes{cv::Rect({0, 0}, frame.size())} : changed;
+  return before.area() == 0 && outgrown ? Boxes{cv::Rect({0, 0}, frame.size())} : changed;
 }
 
 KnownSpace::KnownSpace(const MapImage& map, double resolution) : resolution_m(resolution) {
@@ -132,7 +128,10 @@ std::vector<cv::Point> rim_cells(const cv::Mat1b& mask) {
   return cells;
 }
 
-double thickness_m(const cv::Mat1b& mask, double resolution_m) { return (2 * deepest(mask) - 1) * resolution_m; }
+double thickness_m(const cv::Mat1b& mask, double resolution_m) {
+  const cv::Rect box = box_of_set(mask);  // what lies around it says nothing
+  return box.area() > 0 ? (2 * deepest(mask(box)) - 1) * resolution_m : -resolution_m;
+}
 
 double polygon_area_m2(const std::vector<Eigen::Vector2d>& outline) {
   double twice = 0;

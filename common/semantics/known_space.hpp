@@ -11,28 +11,31 @@ namespace modslam {
 
 struct KnownSpace {
   double resolution_m = 0.1;
-  Eigen::Vector2d origin_m{0, 0};  ///< lower left corner of cell (column 0, row 0); row 0 lowest y
+  Eigen::Vector2d origin_m{0, 0};  ///< lower left corner of the lattice's cell (0, 0): for a growing map the map's origin
+  cv::Point corner{0, 0};          ///< of the raster in the lattice: its cell (column 0, row 0); row 0 lowest y
   cv::Mat1b occupancy;             ///< 0 unknown, below 128 free, else occupied
 
   explicit KnownSpace(double resolution = 0.05) : resolution_m(resolution) {}
   /// The part of a finished map around what is known, in cells of `resolution_m`: a finer map's cell is occupied where any of its cells is.
   KnownSpace(const MapImage& map, double resolution_m);
 
-  /// Takes tiles of a growing map over. @return where the answer for a cell changed; all of it when the building outgrew the frame.
+  /// Takes tiles of a growing map over. The raster grows by whole squares of kFrameCells. @return where the answer for a cell
+  /// changed; the first time all of it.
   Boxes update(const OccupancyMap& map, const std::set<OccupancyMap::TileIndex>& tiles);
 
   bool empty() const { return occupancy.empty(); }
+  /// Places are rounded on the lattice, whatever part of it the raster covers.
   cv::Point cell(const Eigen::Vector2d& p) const {
-    return {static_cast<int>(std::floor((p.x() - origin_m.x()) / resolution_m)),
-            static_cast<int>(std::floor((p.y() - origin_m.y()) / resolution_m))};
+    return cv::Point(static_cast<int>(std::floor((p.x() - origin_m.x()) / resolution_m)), static_cast<int>(std::floor((p.y() - origin_m.y()) / resolution_m))) - corner;
   }
+  /// A place given in cells of the raster [m]: whole numbers are lower left corners.
+  Eigen::Vector2d place(double x, double y) const { return origin_m + resolution_m * Eigen::Vector2d(x + corner.x, y + corner.y); }
   bool inside(const cv::Point& c) const { return c.x >= 0 && c.y >= 0 && c.x < occupancy.cols && c.y < occupancy.rows; }
   bool is_free(const cv::Point& c) const { return inside(c) && occupancy(c) > 0 && occupancy(c) < 128; }
   bool is_occupied(const cv::Point& c) const { return inside(c) && occupancy(c) >= 128; }
   /// Centre of a cell [m].
-  Eigen::Vector2d centre(const cv::Point& c) const {
-    return origin_m + resolution_m * Eigen::Vector2d(c.x + 0.5, c.y + 0.5);
-  }
+  Eigen::Vector2d centre(const cv::Point& c) const { return place(c.x + 0.5, c.y + 0.5); }
+  cv::Rect frame() const { return {corner, occupancy.size()}; }  ///< in the lattice
 };
 
 /// The frame stands on multiples of this many cells, so that blocks of the plan are the same in every frame.

@@ -22,7 +22,14 @@ class Memo {
     }
     ++round_;
   }
-  void clear() { kept_.clear(); }
+  /// The raster grew. @param visit  is shown the answers.
+  template <class Visit>
+  void grow(const Growth& growth, Visit visit) {
+    for (auto& [key, kept] : kept_) {
+      kept.from += growth.shift;
+      visit(kept.answer);
+    }
+  }
 
   /// @param from  cells that the answer depends on. @param work_out  makes the answer.
   template <class WorkOut>

@@ -53,7 +53,7 @@ bool make_object(const Island& island, const KnownSpace& space, const Floor& flo
   const int hits = cv::countNonZero(hit);
   if (hits == 0) return false;
   KnownSpace part = space;
-  part.origin_m += cell_m * Eigen::Vector2d(island.box.x, island.box.y);
+  part.corner += island.box.tl();
   object.outline = outline_of(island.mask, part, 1e9, 0.1);
   object.area_m2 = area_m2;
   const cv::Size2f sides = cv::minAreaRect(rim_cells(island.mask)).size;
@@ -65,6 +65,12 @@ bool make_object(const Island& island, const KnownSpace& space, const Floor& flo
 }
 
 }  // namespace
+
+void ObjectMap::grow(const Growth& growth) {
+  mask = grown(mask, growth, 0);
+  for (Footprint& footprint : objects)
+    for (cv::Rect* box : {&footprint.island.box, &footprint.whole.box}) *box += growth.shift;
+}
 
 Boxes update_objects(ObjectMap& map, const KnownSpace& space, const Floor& floor, const Boxes& changed, const std::vector<Island>& islands) {
   const cv::Size frame = space.occupancy.size();

@@ -16,6 +16,8 @@ struct ObjectMap {
   };
   std::vector<Footprint> objects;  ///< from top to bottom, from left to right
   cv::Mat1b mask;                  ///< cells that belong to an object, on the grid of the known space
+
+  void grow(const Growth& growth);
 };
 
 /// Keeps the objects in step with a space that changed. @param islands  those of not-free cells, surrounded by free floor, that met the change: some are

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <tuple>
 
 #include "common/semantics/cut_features.hpp"
@@ -37,6 +38,21 @@ cv::Rect box_of(const Corner& corner) { return box_of(corner.p, corner.p); }
 cv::Rect box_of(const Edge& edge) { return box_of(edge.a, edge.b); }
 cv::Rect box_of(const FloorCut& cut) { return box_of(cut.centre(), cut.centre()); }
 
+/// Boxes that meet a window, without those that others hold there; the window itself when one covers it.
+Boxes those_near(const Boxes& boxes, const cv::Rect& window) {
+  Boxes out;
+  for (const cv::Rect& box : boxes) {
+    const cv::Rect here = box & window;
+    if (here == window) return {window};
+    const auto holds = [&](const cv::Rect& larger) { return (larger & here) == here; };
+    if (here.area() > 0 && std::none_of(out.begin(), out.end(), holds)) out.push_back(box);
+  }
+  return out;
+}
+
+/// Cuts are near each other whose middles are no farther apart [cells].
+double nearby(const FloorCut& cut, double cell_m) { return 0.5 * cut.length() + kNear_m / cell_m; }
+
 /// Boxes of what only one of the two has.
 template <class Thing>
 void note_news(const std::vector<Thing>& before, const std::vector<Thing>& now, Boxes& news) {
@@ -46,6 +62,12 @@ void note_news(const std::vector<Thing>& before, const std::vector<Thing>& now, 
   };
   note(before, now);
   note(now, before);
+}
+
+/// To so fine a fraction of a cell that whole cells can be added without rounding: a raster that grows may begin at another cell.
+Vec on_lattice(const Vec& p) {
+  constexpr double kFine = 4294967296.0;
+  return {std::round(p.x() * kFine) / kFine, std::round(p.y() * kFine) / kFine};
 }
 
 /// A cut from a corner that may be kept.
@@ -75,6 +97,7 @@ void keep_shortest(const Floor& floor, const Corner& from, std::vector<Candidate
   }
 }
 
+/// Leaves them shortest first.
 void drop_twins(std::vector<FloorCut>& cuts, double near) {
   std::sort(cuts.begin(), cuts.end(), [](const FloorCut& p, const FloorCut& q) { return order_of(p) < order_of(q); });
   std::vector<FloorCut> kept;
@@ -89,6 +112,26 @@ void drop_twins(std::vector<FloorCut>& cuts, double near) {
 }
 
 }  // namespace
+
+/// Openings are places in the map and stay; all else are cells.
+void OpeningMap::grow(const Growth& growth) {
+  static_assert(kFrameCells % kPlanBlock == 0, "blocks stay whole when the frame grows");
+  const Vec shift(growth.shift.x, growth.shift.y);
+  std::map<Index, Block> blocks;
+  for (auto& [index, block] : blocks_) {
+    block.box += growth.shift;
+    for (Corner& corner : block.outline.corners) corner.p += shift;
+    for (Edge& edge : block.outline.edges) edge.a += shift, edge.b += shift;
+    for (Measured& m : block.cuts) {
+      for (Vec* p : {&m.cut.a, &m.cut.b, &m.cut.first.p}) *p += shift;
+      if (m.cut.to_corner) m.cut.second.p += shift;
+      for (cv::Rect* box : {&m.reads.open, &m.reads.clearance, &m.reads.solid}) *box += growth.shift;
+    }
+    blocks.emplace(Index(index.first + growth.shift.x / kPlanBlock, index.second + growth.shift.y / kPlanBlock), std::move(block));
+  }
+  blocks_ = std::move(blocks);
+  for (Told& one : told_) one.block = {one.block.first + growth.shift.x / kPlanBlock, one.block.second + growth.shift.y / kPlanBlock};
+}
 
 std::vector<const OpeningMap::Block*> OpeningMap::around(const Index& index) const {
   std::vector<const Block*> out;
@@ -117,11 +160,11 @@ Boxes OpeningMap::retrace(const Floor& floor, const Boxes& open) {
   return news;
 }
 
-Boxes OpeningMap::recollect(const Floor& floor, const Boxes& changed) {
-  Boxes news;
+void OpeningMap::recollect(const Floor& floor, const Boxes& changed) {
   const double reach = max_width_m_ / floor.resolution_m, shortest = kNarrowest_m / floor.resolution_m;
   const cv::Rect all = bounds(changed);
   for (auto& [index, block] : blocks_) {
+    block.news.clear();
     if (!meet(all, grown(block.box, static_cast<int>(reach) + 2)) || !meet(changed, grown(block.box, static_cast<int>(reach) + 2))) continue;
     std::vector<FloorCut> cuts;
     std::vector<Candidate> to_corners, to_edges;
@@ -140,7 +183,7 @@ Boxes OpeningMap::recollect(const Floor& floor, const Boxes& changed) {
           const Vec d = edge.b - edge.a;
           const double share = d.dot(corner.p - edge.a) / d.squaredNorm();
           if (!(share > 0.02 && share < 0.98)) continue;
-          const Vec foot = edge.a + share * d;
+          const Vec foot = corner.p + on_lattice(edge.a - corner.p + share * d);
           if (const double length = length_of(foot); fits(length) && is_in(other->box, foot)) to_edges.push_back({length, foot, nullptr, &edge});
         }
       }
@@ -148,82 +191,107 @@ Boxes OpeningMap::recollect(const Floor& floor, const Boxes& changed) {
       keep_shortest(floor, corner, to_edges, cuts);
     }
     drop_twins(cuts, kTwins_m / floor.resolution_m);
-    note_news(block.cuts, cuts, news);
-    block.cuts = std::move(cuts);
+    take_cuts(block, cuts);
   }
-  return news;
+}
+
+/// Cuts that were there keep what was measured of them. Both lists are in order.
+void OpeningMap::take_cuts(Block& block, const std::vector<FloorCut>& cuts) {
+  Boxes& news = block.news;
+  std::vector<Measured> now(cuts.size());
+  auto before = block.cuts.begin();
+  const auto gone_before = [&](const auto& order) {
+    for (; before != block.cuts.end() && order_of(before->cut) < order; ++before) news.push_back(box_of(before->cut));
+  };
+  for (std::size_t k = 0; k < cuts.size(); ++k) {
+    gone_before(order_of(cuts[k]));
+    const bool stays = before != block.cuts.end() && same(before->cut, cuts[k]);
+    if (stays) now[k] = *before++;
+    else now[k].cut = cuts[k], news.push_back(box_of(cuts[k]));
+  }
+  for (; before != block.cuts.end(); ++before) news.push_back(box_of(before->cut));
+  block.cuts = std::move(now);
+  block.told = block.told && news.empty();
 }
 
 double OpeningMap::narrowest_near(const Index& index, const FloorCut& cut, double cell_m) const {
   double narrowest = cut.length();
   for (const Block* other : around(index))
-    for (const FloorCut& near : other->cuts) {
-      if (near.length() >= narrowest) break;  // shortest first
-      if ((near.centre() - cut.centre()).norm() < 0.5 * cut.length() + kNear_m / cell_m) narrowest = near.length();
+    for (const Measured& near : other->cuts) {
+      if (near.cut.length() >= narrowest) break;  // shortest first
+      if ((near.cut.centre() - cut.centre()).norm() < nearby(cut, cell_m)) narrowest = near.cut.length();
     }
   return narrowest;
 }
 
-/// Measures anew what lies near a change, and of the rest the walls where they changed.
-void OpeningMap::measure(const Index& index, const CutFeatures& features, const KnownSpace& space, const Boxes& changed, const Boxes& walls_changed) {
+/// Measures anew what was read where something changed, and of the rest the walls where they changed.
+void OpeningMap::measure(const Index& index, const CutFeatures& features, double cell_m, const News& news) {
   Block& block = blocks_.at(index);
-  const double cell_m = space.resolution_m;
-  std::vector<Opening> openings;
-  for (const FloorCut& cut : block.cuts) {
-    const Vec a = space.origin_m + cell_m * (cut.a + Vec(0.5, 0.5)), b = space.origin_m + cell_m * (cut.b + Vec(0.5, 0.5));
-    const auto known = std::find_if(block.openings.begin(), block.openings.end(), [&](const Opening& o) { return o.a == a && o.b == b; });
-    bool news = known == block.openings.end() || meet(changed, CutFeatures::reach(cut, cell_m));
-    openings.push_back(news ? features.measure(cut, narrowest_near(index, cut, cell_m)) : *known);
-    if (!news && (meet(walls_changed, grown(box_of(cut.a, cut.a), kAtWall)) || meet(walls_changed, grown(box_of(cut.b, cut.b), kAtWall))))
-      news = features.measure_walls(openings.back());
-    if (news) openings.back().probability = model_.probability(openings.back().features.data());
+  Boxes cuts;
+  for (const Block* other : around(index)) cuts.insert(cuts.end(), other->news.begin(), other->news.end());
+  const auto is_stale = [&](const Measured& m) {
+    if (!m.known || meet(news.open, m.reads.open) || meet(news.clearance, m.reads.clearance) || meet(news.solid, m.reads.solid)) return true;
+    return meet(cuts, grown(box_of(m.cut), static_cast<int>(nearby(m.cut, cell_m)) + 1));
+  };
+  for (Measured& m : block.cuts) {
+    bool changes = is_stale(m);
+    if (changes) {
+      m.opening = features.measure(m.cut, narrowest_near(index, m.cut, cell_m), m.reads);
+      m.known = true;
+    } else if (meet(news.walls, grown(box_of(m.cut.a, m.cut.a), kAtWall)) || meet(news.walls, grown(box_of(m.cut.b, m.cut.b), kAtWall))) {
+      changes = features.measure_walls(m.opening);
+    }
+    if (changes) m.opening.probability = model_.probability(m.opening.features.data());
+    block.told = block.told && !changes;
   }
-  std::sort(openings.begin(), openings.end(), [](const Opening& p, const Opening& q) { return p.probability > q.probability; });
-  block.openings = std::move(openings);
 }
 
 void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const FloorChange& change, const Boxes& walls_changed) {
   if (floor.open.empty()) return;
   // The large boxes first: who asks whether any is near needs no more.
-  Boxes corners = change.open, changed = change.open;
-  const auto add = [](Boxes& boxes, const Boxes& more) { boxes.insert(boxes.end(), more.begin(), more.end()); };
-  add(corners, retrace(floor, change.open));
-  for (const Boxes& more : {change.clearance, change.solid, recollect(floor, corners)}) add(changed, more);
+  Boxes corners = change.open;
+  const Boxes outline = retrace(floor, change.open);
+  corners.insert(corners.end(), outline.begin(), outline.end());
+  recollect(floor, corners);
 
+  const News news{change.open, change.clearance, change.solid, walls_changed};
+  const News all{{bounds(news.open)}, {bounds(news.clearance)}, {bounds(news.solid)}, {bounds(news.walls)}};
   const CutFeatures features(floor, space, walls);
   const int reach = static_cast<int>(max_width_m_ / floor.resolution_m) + 2;
   const int look = reach + static_cast<int>(std::max(kFarthestLook_m, 4 * max_width_m_) / floor.resolution_m) + 2;
-  const auto near = [&](const Boxes& boxes, const cv::Rect& all, const cv::Rect& around) {
-    const cv::Rect box = around & cv::Rect({0, 0}, floor.open.size());
-    Boxes out;
-    if (!meet(all, box)) return out;
-    for (const cv::Rect& other : boxes) {
-      const cv::Rect here = other & box;
-      if (here == box) return Boxes{box};
-      const auto holds = [&](const cv::Rect& larger) { return (larger & here) == here; };
-      if (here.area() > 0 && std::none_of(out.begin(), out.end(), holds)) out.push_back(other);
-    }
-    return out;
-  };
-  const cv::Rect all_changed = bounds(changed), all_walls = bounds(walls_changed);
+  std::set<Index> beside_news;
+  for (const auto& [index, block] : blocks_)
+    for (int k = 0; k < 9 && !block.news.empty(); ++k) beside_news.insert({index.first + k % 3 - 1, index.second + k / 3 - 1});
   for (const auto& [index, block] : blocks_) {
-    const Boxes changed_here = near(changed, all_changed, grown(block.box, look)), walls_here = near(walls_changed, all_walls, grown(block.box, reach + kAtWall));
-    if (!changed_here.empty() || !walls_here.empty()) measure(index, features, space, changed_here, walls_here);
+    bool any = !beside_news.empty() && beside_news.count(index) > 0;
+    News here;
+    for (const auto& [kind, far] : {std::pair(&News::open, look), std::pair(&News::clearance, look), std::pair(&News::solid, 2 * reach), std::pair(&News::walls, 2 * reach)}) {
+      const cv::Rect window = grown(block.box, far) & cv::Rect({0, 0}, floor.open.size());
+      if (meet(all.*kind, window)) here.*kind = those_near(news.*kind, window);
+      any = any || !(here.*kind).empty();
+    }
+    if (any) measure(index, features, space.resolution_m, here);
   }
 }
 
-std::vector<Opening> OpeningMap::openings(const CutLimits& limits) const {
-  std::vector<const Opening*> sure;
-  for (const auto& [index, block] : blocks_)
-    for (const Opening& opening : block.openings) {
-      if (opening.probability < limits.least_probability()) break;  // surest first
-      if (limits.take(opening)) sure.push_back(&opening);
-    }
-  const auto order = [](const Opening& o) { return std::tuple(-o.probability, o.a.x(), o.a.y(), o.b.x(), o.b.y()); };
-  std::sort(sure.begin(), sure.end(), [&](const Opening* p, const Opening* q) { return order(*p) < order(*q); });
+std::vector<Opening> OpeningMap::openings(const CutLimits& limits) {
+  told_.erase(std::remove_if(told_.begin(), told_.end(), [&](const Told& one) { return !blocks_.at(one.block).told; }), told_.end());
+  const auto stays = static_cast<std::ptrdiff_t>(told_.size());
+  for (auto& [index, block] : blocks_) {
+    if (block.told) continue;
+    block.told = true;
+    for (const Measured& m : block.cuts)
+      if (limits.take(m.opening)) told_.push_back({m.opening, index});
+  }
+  const auto is_surer = [](const Told& p, const Told& q) {
+    const auto order = [](const Opening& o) { return std::tuple(-o.probability, o.a.x(), o.a.y(), o.b.x(), o.b.y()); };
+    return order(p.opening) < order(q.opening);
+  };
+  std::sort(told_.begin() + stays, told_.end(), is_surer);
+  std::inplace_merge(told_.begin(), told_.begin() + stays, told_.end(), is_surer);
   std::vector<Opening> out;
-  out.reserve(sure.size());
-  for (const Opening* opening : sure) out.push_back(*opening);
+  out.reserve(told_.size());
+  for (const Told& one : told_) out.push_back(one.opening);
   return out;
 }
 

@@ -2,7 +2,6 @@
 /// @file Openings: places where the floor narrows between two corners of what bounds it, or between a corner and a wall. Doors are
 /// openings, the mouth of a corridor is one; most are none, and the features tell.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <map>
 #include <vector>
@@ -44,7 +43,6 @@ struct CutLimits {
   double min_probability = 0.5;
   double slit_m = 0.6;             ///< narrower ones that nobody passes, as windows are, may part rooms beside surer ones ...
   double slit_probability = 0.05;  ///< ... if they are at least this sure
-  double least_probability() const { return std::min(min_probability, slit_probability); }
   bool take(const Opening& opening) const {
     return opening.probability >= min_probability || (opening.probability >= slit_probability && opening.width_m() < slit_m);
   }
@@ -60,6 +58,11 @@ struct FloorCut {
   Eigen::Vector2d centre() const { return 0.5 * (a + b); }
 };
 
+/// Cells that the features of a cut were read from, in each raster of the floor.
+struct CutReads {
+  cv::Rect open, clearance, solid;
+};
+
 class CutFeatures;
 
 /// Keeps the openings of a floor in step with it, block by block: a cut belongs to the block of its first corner.
@@ -69,29 +72,47 @@ class OpeningMap {
 
   /// @param change, walls_changed  where floor and walls are new since the last call.
   void update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const FloorChange& change, const Boxes& walls_changed);
-  void clear() { blocks_.clear(); }
+  void grow(const Growth& growth);
 
-  /// Those that may be cut, surest first.
-  std::vector<Opening> openings(const CutLimits& limits) const;
+  /// Those that may be cut, surest first. Blocks without news are not looked at again. @param limits  the same each time.
+  std::vector<Opening> openings(const CutLimits& limits);
 
  private:
+  /// A cut, with what was measured of it.
+  struct Measured {
+    FloorCut cut;
+    Opening opening;
+    CutReads reads;
+    bool known = false;
+  };
   struct Block {
     cv::Rect box;
     Outline outline;
-    std::vector<FloorCut> cuts;
-    std::vector<Opening> openings;   ///< surest first
+    std::vector<Measured> cuts;              ///< shortest first
+    bool told = false;                       ///< openings() knows of them
+    Boxes news;                              ///< middles of cuts that came or went in this round
+  };
+  /// Where things are new that features depend on.
+  struct News {
+    Boxes open, clearance, solid, walls;
   };
   using Index = std::pair<int, int>;   ///< column, row
 
   Boxes retrace(const Floor& floor, const Boxes& open);
-  Boxes recollect(const Floor& floor, const Boxes& changed);
+  void recollect(const Floor& floor, const Boxes& changed);
+  static void take_cuts(Block& block, const std::vector<FloorCut>& cuts);
   std::vector<const Block*> around(const Index& index) const;
   double narrowest_near(const Index& index, const FloorCut& cut, double cell_m) const;
-  void measure(const Index& index, const CutFeatures& features, const KnownSpace& space, const Boxes& changed, const Boxes& walls_changed);
+  void measure(const Index& index, const CutFeatures& features, double cell_m, const News& news);
 
   double max_width_m_;
   OpeningModel model_;
   std::map<Index, Block> blocks_;
+  struct Told {
+    Opening opening;
+    Index block;
+  };
+  std::vector<Told> told_;    ///< by openings() the last time
 };
 
 /// All cuts of at most max_width_m that a corner of the floor's outline takes part in, with features and probability.

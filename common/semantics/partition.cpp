@@ -9,6 +9,7 @@
 
 #include "common/semantics/region_clusters.hpp"
 
+
 namespace modslam {
 namespace {
 
@@ -19,7 +20,7 @@ constexpr double kOnWall_m = 0.2;
 constexpr double kSlotDepth_m = 2.5, kMostSlotDepth_m = 6.5, kSlotMouth = 0.8;
 constexpr double kCarFrom_m = 1.2, kCarTo_m = 2.6;
 constexpr double kAroundCut_m = 0.4;                    // a doorway reaches this far
-constexpr double kSameWay = 0.7;                       // |cos| of cuts that may be one opening
+constexpr double kSameWay = 0.7;                       // |cos| between the mouth of a slot and its short sides
 
 /// Sets of regions that became one.
 class Regions {
@@ -66,13 +67,18 @@ int region_beside(RegionAt region_at, const KnownSpace& space, const Opening& cu
 }
 
 void join_small_regions(const std::vector<CutOpening>& cuts, std::vector<double> area_m2, double min_room_m2, Regions& regions) {
+  std::vector<const CutOpening*> ways;  // out of regions that are too small; no others become so
+  const auto is_small = [&](int region) { return area_m2[static_cast<std::size_t>(regions.root(region))] < min_room_m2; };
+  for (const CutOpening& cut : cuts)
+    if (cut.left && cut.right && (is_small(cut.left) || is_small(cut.right))) ways.push_back(&cut);
   for (;;) {
     // The smallest region that has a neighbour goes first; each round makes one region fewer.
     int smallest = 0;
     const CutOpening* way = nullptr;
-    for (const CutOpening& cut : cuts) {
+    for (const CutOpening* one : ways) {
+      const CutOpening& cut = *one;
       const int left = regions.root(cut.left), right = regions.root(cut.right);
-      if (cut.left == 0 || cut.right == 0 || left == right) continue;
+      if (left == right) continue;
       for (const int side : {left, right}) {
         const double area = area_m2[static_cast<std::size_t>(side)];
         if (area >= min_room_m2) continue;
@@ -123,9 +129,38 @@ Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, std::v
   return changed;
 }
 
+/// Clusters of the pieces that the floor was cut into; `cuts` come with pieces at their sides and leave with clusters.
+void FloorParter::find_clusters(std::vector<CutOpening>& cuts) {
+  const auto log_odds = [](double p) { return std::log(p / std::max(1e-9, 1 - p)); };
+  const double even = log_odds(options_.cuts.min_probability);
+  std::vector<PieceBond> bonds;
+  for (const CutOpening& cut : cuts)
+    if (cut.left && cut.right && cut.left != cut.right) bonds.push_back({cut.left, cut.right, even - log_odds(cut.opening.probability)});
+  const std::vector<Region>& pieces = tiles_.regions();
+  const std::vector<int> roots = cluster_pieces(static_cast<int>(pieces.size()) + 1, bonds);
+  std::vector<int> cluster_of_root(roots.size(), 0);
+  cluster_of_.assign(roots.size(), 0);
+  clusters_.clear();
+  for (std::size_t k = 1; k < roots.size(); ++k) {
+    int& cluster = cluster_of_root[static_cast<std::size_t>(roots[k])];
+    if (cluster == 0) {
+      clusters_.emplace_back();
+      cluster = static_cast<int>(clusters_.size());
+    }
+    cluster_of_[k] = cluster;
+    clusters_[static_cast<std::size_t>(cluster - 1)].cells += pieces[k - 1].cells;
+    clusters_[static_cast<std::size_t>(cluster - 1)].box |= pieces[k - 1].box;
+  }
+  cluster_numbers_ = tiles_.number_sets(cluster_of_, TiledRegions::kClusters);
+  for (CutOpening& cut : cuts)
+    for (int* side : {&cut.left, &cut.right}) *side = cluster_of_[static_cast<std::size_t>(*side)];
+}
+
+cv::Mat1b FloorParter::mask_of(int cluster) const { return tiles_.mask_of(cluster_of_, cluster, clusters_[static_cast<std::size_t>(cluster - 1)].box); }
+
 /// Share of a region's rim that lies on walls; where it meets another region or a cut is no rim.
-double FloorParter::walled_share(const Region& region, const Floor& floor, const KnownSpace& space, const WallSet& walls) const {
-  const cv::Rect box = region.box;
+double FloorParter::walled_share(int cluster, const Floor& floor, const KnownSpace& space, const WallSet& walls) const {
+  const cv::Rect box = clusters_[static_cast<std::size_t>(cluster - 1)].box;
   cv::Mat1b on_wall(box.size(), std::uint8_t{0});
   const int thick = 2 * static_cast<int>(std::lround(kOnWall_m / space.resolution_m)) + 1;
   for (const std::size_t k : walls.near(space.centre(box.tl()), space.centre(box.br()), 2 * thick * space.resolution_m)) {
@@ -133,7 +168,7 @@ double FloorParter::walled_share(const Region& region, const Floor& floor, const
     const cv::Point a = space.cell(wall.a), b = space.cell(wall.b);
     if (meet(grown(cv::Rect(a, cv::Size(1, 1)) | cv::Rect(b, cv::Size(1, 1)), thick), box)) cv::line(on_wall, a - box.tl(), b - box.tl(), cv::Scalar(255), thick);
   }
-  const cv::Mat1b mask = tiles_.mask_of(region, box);
+  const cv::Mat1b mask = mask_of(cluster);
   int rim = 0, walled = 0;
   for (int y = std::max(1, box.y); y < std::min(box.br().y, floor.open.rows - 1); ++y)
     for (int x = std::max(1, box.x); x < std::min(box.br().x, floor.open.cols - 1); ++x) {
@@ -145,9 +180,9 @@ double FloorParter::walled_share(const Region& region, const Floor& floor, const
   return rim ? static_cast<double>(walled) / rim : 0.0;
 }
 
-FloorParter::Niche FloorParter::niche_of(const Region& region) const {
-  std::vector<cv::Point> rim = rim_cells(tiles_.mask_of(region, region.box));
-  for (cv::Point& c : rim) c += region.box.tl();
+FloorParter::Niche FloorParter::niche_of(int cluster) const {
+  std::vector<cv::Point> rim = rim_cells(mask_of(cluster));
+  for (cv::Point& c : rim) c += clusters_[static_cast<std::size_t>(cluster - 1)].box.tl();
   const cv::RotatedRect box = cv::minAreaRect(rim);
   const bool first_is_short = box.size.width < box.size.height;
   const double angle = box.angle * CV_PI / 180 + (first_is_short ? 0 : CV_PI / 2);
@@ -156,18 +191,18 @@ FloorParter::Niche FloorParter::niche_of(const Region& region) const {
 }
 
 /// Gaps between parked cars: dead ends as wide as their mouths with a car's width of closed space beside them. They are no rooms.
-std::set<int> FloorParter::find_slots(const std::vector<Region>& whole, const std::vector<CutOpening>& cuts, const Floor& floor) {
+std::set<int> FloorParter::find_slots(const std::vector<CutOpening>& cuts, const Floor& floor) {
   const double cell_m = floor.resolution_m;
-  std::vector<int> ways(whole.size() + 1, 0);
+  std::vector<int> ways(clusters_.size() + 1, 0);
   std::vector<const CutOpening*> mouths(ways.size(), nullptr);
   for (const CutOpening& cut : cuts)
     if (cut.left && cut.right && cut.left != cut.right)
       for (const int side : {cut.left, cut.right}) ++ways[static_cast<std::size_t>(side)], mouths[static_cast<std::size_t>(side)] = &cut;
   std::set<int> slots;
   for (int number = 1; number < static_cast<int>(ways.size()); ++number) {
-    const Region& region = whole[static_cast<std::size_t>(number - 1)];
+    const Region& region = clusters_[static_cast<std::size_t>(number - 1)];
     if (ways[static_cast<std::size_t>(number)] != 1 || region.cells * cell_m * cell_m >= kMostSlotDepth_m * kMostSlotDepth_m / 1.5) continue;
-    const Niche& niche = niches_.ask(region.members, region.box, [&] { return niche_of(region); });
+    const Niche& niche = niches_.ask(cluster_numbers_[static_cast<std::size_t>(number)], region.box, [&] { return niche_of(number); });
     if (!is_slot(niche.width * cell_m, niche.depth * cell_m, niche.across, mouths[static_cast<std::size_t>(number)]->opening)) continue;
     const bool beside_car = beside_m(niche.centre, niche.across, niche.width, floor) >= kCarFrom_m || beside_m(niche.centre, -niche.across, niche.width, floor) >= kCarFrom_m;
     if (beside_car) slots.insert(number);
@@ -175,54 +210,12 @@ std::set<int> FloorParter::find_slots(const std::vector<Region>& whole, const st
   return slots;
 }
 
-std::size_t FloorParter::HashMembers::operator()(const Members& members) const {
-  std::size_t hash = members.size();
-  for (const Region::Member& member : members)
-    for (const int x : {member.tile, member.local, member.stamp}) hash = hash * 1000003 + static_cast<std::size_t>(x);
-  return hash;
-}
-
-/// Cluster of each piece of the cut floor, from 1; 0 for none.
-std::vector<int> FloorParter::cluster(const std::vector<CutOpening>& cuts) const {
-  const auto log_odds = [](double p) { return std::log(p / std::max(1e-9, 1 - p)); };
-  const double even = log_odds(options_.cuts.min_probability);
-  std::vector<PieceBond> bonds;
-  for (const CutOpening& cut : cuts)
-    if (cut.left && cut.right && cut.left != cut.right) bonds.push_back({cut.left, cut.right, even - log_odds(cut.opening.probability)});
-  const std::vector<int> roots = cluster_pieces(static_cast<int>(tiles_.regions().size()) + 1, bonds);
-  std::vector<int> cluster_of(roots.size(), 0), number(roots.size(), 0);
-  int count = 0;
-  for (std::size_t k = 1; k < roots.size(); ++k) {
-    int& here = number[static_cast<std::size_t>(roots[k])];
-    if (here == 0) here = ++count;
-    cluster_of[k] = here;
-  }
-  return cluster_of;
-}
-
-std::vector<Region> FloorParter::regions_of(const std::vector<int>& cluster_of) const {
-  std::vector<Region> out;
-  for (std::size_t k = 1; k < cluster_of.size(); ++k) {
-    const auto number = static_cast<std::size_t>(cluster_of[k]);
-    if (out.size() < number) out.resize(number);
-    const Region& piece = tiles_.regions()[k - 1];
-    Region& whole = out[number - 1];
-    whole.members.insert(whole.members.end(), piece.members.begin(), piece.members.end());
-    whole.cells += piece.cells;
-    whole.box |= piece.box;
-  }
-  return out;
-}
-
-/// A region that consists of the same pieces of the same tiles as before keeps its number.
-std::vector<int> FloorParter::number_regions(const std::vector<Region>& raw, const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts) {
-  std::vector<Members> members(roots.size());
+/// A region that consists of the same pieces of the same tiles as before keeps its number. @return the number of each cluster.
+std::vector<int> FloorParter::number_regions(const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts) {
   std::vector<FloorRegion> joined(roots.size());
   for (std::size_t k = 1; k < roots.size(); ++k) {
-    const Region& region = raw[k - 1];
-    const auto root = static_cast<std::size_t>(roots[k]);
-    members[root].insert(members[root].end(), region.members.begin(), region.members.end());
-    FloorRegion& whole = joined[root];
+    const Region& region = clusters_[k - 1];
+    FloorRegion& whole = joined[static_cast<std::size_t>(roots[k])];
     whole.box |= region.box;
     whole.cells += region.cells;
     whole.parking = whole.parking || slots.count(static_cast<int>(k)) > 0;
@@ -232,19 +225,16 @@ std::vector<int> FloorParter::number_regions(const std::vector<Region>& raw, con
     if (left == 0 || right == 0 || left == right) continue;
     for (const int side : {left, right}) ++joined[static_cast<std::size_t>(side)].ways;
   }
-  std::unordered_map<Members, int, HashMembers> numbers(numbers_.size());
-  std::vector<int> number_of_root(roots.size(), 0);
+  std::vector<int> root_of(cluster_of_.size());
+  for (std::size_t k = 0; k < root_of.size(); ++k) root_of[k] = roots[static_cast<std::size_t>(cluster_of_[k])];
+  const std::vector<int> numbers = tiles_.number_sets(root_of, TiledRegions::kRooms);
   partition_.regions.clear();
-  for (std::size_t root = 1; root < roots.size(); ++root) {
-    if (members[root].empty()) continue;
-    const auto known = numbers_.find(members[root]);
-    const int number = number_of_root[root] = known == numbers_.end() ? next_++ : known->second;
-    numbers.emplace(std::move(members[root]), number);
-    partition_.regions[number] = joined[root];
-  }
-  numbers_ = std::move(numbers);
+  for (std::size_t root = 1; root < joined.size(); ++root)
+    if (numbers[root] > 0) partition_.regions.emplace(numbers[root], joined[root]);
   std::vector<int> number_of(roots.size(), 0);
-  for (std::size_t k = 1; k < roots.size(); ++k) number_of[k] = number_of_root[static_cast<std::size_t>(roots[k])];
+  for (std::size_t k = 1; k < roots.size(); ++k) number_of[k] = numbers[static_cast<std::size_t>(roots[k])];
+  number_of_.assign(cluster_of_.size(), 0);
+  for (std::size_t k = 1; k < cluster_of_.size(); ++k) number_of_[k] = number_of[static_cast<std::size_t>(cluster_of_[k])];
   return number_of;
 }
 
@@ -255,18 +245,19 @@ Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, std::vecto
   painted_.resize(static_cast<std::size_t>(tiles_.tile_count()));
   painted_stamp_.resize(painted_.size(), 0);
   std::vector<cv::Mat1i> before;
-  std::vector<int> numbers;
+  std::vector<int> numbers;  // of a tile's pieces; of no piece: 0
+  const auto is_painted = [&](int number, int region) { return number == number_of_[static_cast<std::size_t>(region)]; };
   for (int tile = 0; tile < tiles_.tile_count(); ++tile) {
     const auto t = static_cast<std::size_t>(tile);
-    tiles_.numbers_in(tile, numbers);
-    for (int& number : numbers) number = number_of_[static_cast<std::size_t>(number)];
+    const int *first = tiles_.regions_in(tile), *last = first + tiles_.pieces_in(tile);
+    if (painted_stamp_[t] == tiles_.stamp(tile) && std::equal(painted_[t].begin(), painted_[t].end(), first, last, is_painted) && !meet(stirred, tiles_.tile_box(tile))) continue;
     const cv::Rect box = tiles_.tile_box(tile);
-    if (painted_[t] == numbers && painted_stamp_[t] == tiles_.stamp(tile) && !meet(stirred, box)) continue;
-    painted_[t] = numbers;
+    numbers.assign(1, 0);
+    for (; first != last; ++first) numbers.push_back(number_of_[static_cast<std::size_t>(*first)]);
+    painted_[t].assign(numbers.begin() + 1, numbers.end());
     painted_stamp_[t] = tiles_.stamp(tile);
     before.push_back(partition_.labels(box).clone());
     repainted.push_back(box);
-    numbers.insert(numbers.begin(), 0);
     for (int y = box.y; y < box.br().y; ++y) {
       const std::uint16_t* pieces = tiles_.pieces(y);
       int* labels = partition_.labels[y];
@@ -294,7 +285,8 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
     parted_ = cv::Mat1b(floor.open.size(), std::uint8_t{0});
     partition_.labels = cv::Mat1i(floor.open.size(), 0);
   }
-  std::vector<CutOpening> cuts = choose_cuts(openings, options_.cuts);
+  std::vector<CutOpening> cuts;
+  for (const std::size_t k : choice_.update(openings)) cuts.push_back({openings[k], 0, 0});
   std::vector<CutLine> lines, kept, healed;
   for (const CutOpening& cut : cuts) lines.push_back({cut.opening.a, cut.opening.b, 0});
   const Boxes parted = draw_cuts(floor, space, std::move(lines), open);
@@ -304,24 +296,21 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
     cut.left = region_beside(region_at, space, cut.opening, 1);
     cut.right = region_beside(region_at, space, cut.opening, -1);
   }
+  find_clusters(cuts);
   Boxes around = parted;
   for (const Boxes* more : {&open, &walls_changed}) around.insert(around.end(), more->begin(), more->end());
   walled_.forget(around);
   niches_.forget(parted);
 
-  std::vector<int> cluster_of = cluster(cuts);
-  const std::vector<Region> raw = regions_of(cluster_of);
-  for (CutOpening& cut : cuts)
-    for (int* side : {&cut.left, &cut.right}) *side = cluster_of[static_cast<std::size_t>(*side)];
-  Regions regions(static_cast<int>(raw.size()) + 1);
+  Regions regions(static_cast<int>(clusters_.size()) + 1);
   std::vector<double> area_m2{0};
-  for (std::size_t k = 0; k < raw.size(); ++k) {
-    area_m2.push_back(raw[k].cells * floor.resolution_m * floor.resolution_m);
+  for (std::size_t k = 0; k < clusters_.size(); ++k) {
+    area_m2.push_back(clusters_[k].cells * floor.resolution_m * floor.resolution_m);
     if (walls.size() == 0 || area_m2.back() >= options_.small_m2) continue;
-    const auto share = [&] { return walled_share(raw[k], floor, space, walls); };
-    if (walled_.ask(raw[k].members, grown(raw[k].box, 12), share) < options_.min_walled) area_m2.back() = std::min(area_m2.back(), 0.5 * options_.min_room_m2);
+    const auto share = [&] { return walled_share(static_cast<int>(k) + 1, floor, space, walls); };
+    if (walled_.ask(cluster_numbers_[k + 1], grown(clusters_[k].box, 12), share) < options_.min_walled) area_m2.back() = std::min(area_m2.back(), 0.5 * options_.min_room_m2);
   }
-  const std::set<int> slots = find_slots(raw, cuts, floor);
+  const std::set<int> slots = find_slots(cuts, floor);
   for (const CutOpening& cut : cuts)
     if ((slots.count(cut.left) || slots.count(cut.right)) && cut.left && cut.right && regions.root(cut.left) != regions.root(cut.right)) {
       const double sum = area_m2[static_cast<std::size_t>(regions.root(cut.left))] + area_m2[static_cast<std::size_t>(regions.root(cut.right))];
@@ -329,11 +318,9 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
       area_m2[static_cast<std::size_t>(regions.root(cut.left))] = sum;
     }
   join_small_regions(cuts, area_m2, options_.min_room_m2, regions);
-  std::vector<int> roots(raw.size() + 1);
+  std::vector<int> roots(clusters_.size() + 1);
   for (std::size_t k = 0; k < roots.size(); ++k) roots[k] = regions.root(static_cast<int>(k));
-  const std::vector<int> number_of = number_regions(raw, roots, slots, cuts);
-  for (int& piece : cluster_of) piece = number_of[static_cast<std::size_t>(piece)];
-  number_of_ = std::move(cluster_of);
+  const std::vector<int> number_of = number_regions(roots, slots, cuts);
 
   partition_.cuts.clear();
   for (CutOpening& cut : cuts) {
@@ -351,8 +338,21 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
   return changed;
 }
 
+void FloorParter::grow(const Growth& growth) {
+  walled_.grow(growth, [](double) {});
+  niches_.grow(growth, [&](Niche& niche) { niche.centre += Vec(growth.shift.x, growth.shift.y); });
+  painted_ = tiles_.regrown(std::move(painted_), growth);
+  painted_stamp_ = tiles_.regrown(std::move(painted_stamp_), growth);
+  tiles_.grow(growth);
+  parted_ = grown(parted_, growth, 0);
+  partition_.labels = grown(partition_.labels, growth, 0);
+  for (auto& [number, region] : partition_.regions) region.box += growth.shift;
+}
+
 Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, std::vector<Opening> openings,
                      const PartitionOptions& options) {
+  const auto is_unsure = [&](const Opening& opening) { return !options.cuts.take(opening); };
+  openings.erase(std::remove_if(openings.begin(), openings.end(), is_unsure), openings.end());
   std::stable_sort(openings.begin(), openings.end(), [](const Opening& p, const Opening& q) { return p.probability > q.probability; });
   FloorParter parter(options);
   WallSet set;

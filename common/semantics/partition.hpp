@@ -4,13 +4,18 @@
 #include <map>
 #include <set>
 #include <tuple>
-#include <unordered_map>
 
-#include "common/semantics/memo.hpp"
 #include "common/semantics/cut_choice.hpp"
+#include "common/semantics/memo.hpp"
 #include "common/semantics/tiled_regions.hpp"
 
 namespace modslam {
+
+/// An opening that was cut, and the regions on its two sides (left and right of a -> b; 0: none).
+struct CutOpening {
+  Opening opening;
+  int left = 0, right = 0;
+};
 
 /// A region of the floor after small ones joined their neighbours.
 struct FloorRegion {
@@ -48,12 +53,9 @@ class FloorParter {
   Boxes update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const std::vector<Opening>& openings, const Boxes& open,
                const Boxes& walls_changed);
   const Partition& partition() const { return partition_; }
+  void grow(const Growth& growth);
 
  private:
-  using Members = std::vector<Region::Member>;
-  struct HashMembers {
-    std::size_t operator()(const Members& members) const;
-  };
   struct Niche {
     Eigen::Vector2d centre, across;  ///< of a dead end as a box; across: along its short sides
     double width, depth;             ///< [cells]
@@ -70,26 +72,28 @@ class FloorParter {
   static cv::Rect box_of(const CutLine& cut, const KnownSpace& space, double margin_m);
   static Boxes news_of(const std::vector<CutLine>& before, const std::vector<CutLine>& now, const KnownSpace& space, double margin_m);
   Boxes draw_cuts(const Floor& floor, const KnownSpace& space, std::vector<CutLine> cuts, const Boxes& open);
-  double walled_share(const Region& region, const Floor& floor, const KnownSpace& space, const WallSet& walls) const;
-  Niche niche_of(const Region& region) const;
-  std::vector<int> cluster(const std::vector<CutOpening>& cuts) const;
-  std::vector<Region> regions_of(const std::vector<int>& cluster_of) const;
-  std::set<int> find_slots(const std::vector<Region>& whole, const std::vector<CutOpening>& cuts, const Floor& floor);
-  std::vector<int> number_regions(const std::vector<Region>& raw, const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts);
+  void find_clusters(std::vector<CutOpening>& cuts);
+  cv::Mat1b mask_of(int cluster) const;
+  double walled_share(int cluster, const Floor& floor, const KnownSpace& space, const WallSet& walls) const;
+  Niche niche_of(int cluster) const;
+  std::set<int> find_slots(const std::vector<CutOpening>& cuts, const Floor& floor);
+  std::vector<int> number_regions(const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts);
   Boxes paint(const Floor& floor, const KnownSpace& space, std::vector<CutLine> healed);
 
   PartitionOptions options_;
   Partition partition_;
+  CutChoice choice_;
   TiledRegions tiles_;
   cv::Mat1b parted_;                            ///< the floor without its cuts
   std::vector<CutLine> drawn_, kept_, healed_;  ///< of the last round, in order
-  Memo<Members, double> walled_;
-  Memo<Members, Niche> niches_;
-  std::unordered_map<Members, int, HashMembers> numbers_;
+  std::vector<int> cluster_of_;                 ///< of each region of tiles_, from 1
+  std::vector<Region> clusters_;                ///< cluster k stands at k - 1
+  std::vector<int> cluster_numbers_;            ///< at k: stays as long as the cluster stays the same
+  Memo<int, double> walled_;                    ///< by number of the cluster
+  Memo<int, Niche> niches_;
   std::vector<int> number_of_;                  ///< final number of each region of tiles_
   std::vector<std::vector<int>> painted_;       ///< numbers in each tile, as painted
   std::vector<int> painted_stamp_;
-  int next_ = 1;
 };
 
 /// All at once, from openings in any order.

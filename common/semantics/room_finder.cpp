@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
@@ -22,15 +23,19 @@ constexpr double kDeepestDoorway_m = 0.9;  // ... or this far where the wall is 
 constexpr double kNeck_m = 0.4;            // of floor; narrower than any robot
 constexpr double kLeastOfBox = 0.65, kLeastOfClosedBox = 0.55, kClosed = 0.8, kLeastOfParking = 0.4, kMostForeign = 0.03, kLeastSeenSide = 0.12;
 
+/// Bits of a cell in the picture of a room: what is there, and what of it the answer depends on.
+enum RoomPicture { kIsRegion = 1, kIsForeign = 2, kIsBarrier = 4, kIsDoorway = 8, kIsSeen = 16, kBarrierMatters = 32, kForeignMatters = 64, kSeenMatters = 128 };
+
 bool is_corridor(const cv::Mat1b& mask, double area_m2, double resolution_m) {
   const double width_m = thickness_m(mask, resolution_m);
   return width_m < kCorridorWidth_m && area_m2 / (width_m * width_m) > kCorridorElongation;
 }
 
 /// Share of the region's rim that touches a barrier.
-double enclosed_share(const RoomPatch& patch) {
+double enclosed_share(RoomPatch& patch) {
   cv::Mat1b rim, on_barrier;
   cv::morphologyEx(patch.mask, rim, cv::MORPH_GRADIENT, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
+  cv::bitwise_or(patch.matters, cv::Scalar(kBarrierMatters), patch.matters, rim);
   cv::bitwise_and(rim, patch.barrier, on_barrier);
   const int all = cv::countNonZero(rim);
   return all ? static_cast<double>(cv::countNonZero(on_barrier)) / all : 0.0;
@@ -61,17 +66,21 @@ double doorway_m(const Opening& cut, const Eigen::Vector2d& n, IsFloor is_floor)
 void drop_unlikely_pieces(cv::Mat1b& filled, const RoomPatch& patch) {
   const double cell_m = patch.space.resolution_m;
   const int strip = 2 * static_cast<int>(std::lround(kStrip_m / cell_m / 2)) + 1;
+  const cv::Rect all = grown(box_of_set(filled), strip) & cv::Rect({0, 0}, filled.size());
   cv::Mat1b broad, piece;
-  cv::morphologyEx(filled, broad, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {strip, strip}));
-  cv::Mat1i pieces;
+  if (all.area() == 0) return;
+  cv::morphologyEx(filled(all).clone(), broad, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {strip, strip}));
+  cv::Mat1i pieces, figures;
+  cv::Mat1d centres;
   if (cv::countNonZero(broad) == 0) return;
-  const int count = cv::connectedComponents(broad, pieces, 4, CV_32S);
+  const int count = cv::connectedComponentsWithStats(broad, pieces, figures, centres, 4, CV_32S);
   for (int k = 1; k < count; ++k) {
-    cv::inRange(pieces, k, k, piece);
+    const cv::Rect box(figures(k, cv::CC_STAT_LEFT), figures(k, cv::CC_STAT_TOP), figures(k, cv::CC_STAT_WIDTH), figures(k, cv::CC_STAT_HEIGHT));
+    cv::inRange(pieces(box), k, k, piece);
     const cv::Size2f size = cv::minAreaRect(rim_cells(piece)).size;
     const double thick_m = thickness_m(piece, cell_m), along_m = std::max(size.width, size.height) * cell_m;
     const bool likely = thick_m < kCounter_m || (thick_m < kBulky_m && (patch.parking || along_m < kBulkyLength_m));
-    if (!likely) filled.setTo(0, piece);
+    if (!likely) filled(box + all.tl()).setTo(0, piece);
   }
 }
 
@@ -92,6 +101,11 @@ void complete_box(RoomPatch& patch, double least) {
   if (area < least * box.size.area()) return;
   cv::Point2f corners[4];
   box.points(corners);
+  std::vector<cv::Point> ring;
+  for (const cv::Point2f& p : corners) ring.emplace_back(cvRound(p.x), cvRound(p.y));
+  cv::Mat1b filled(patch.mask.size(), std::uint8_t{0}), common;
+  cv::polylines(filled, std::vector<std::vector<cv::Point>>{ring}, true, cv::Scalar(255), 5);
+  cv::bitwise_or(patch.matters, cv::Scalar(kBarrierMatters), patch.matters, filled);
   for (int k = 0; k < 4; ++k) {
     int hit = 0, asked = 0;
     for (double t = 0.02; t < 1; t += 0.02, ++asked) {
@@ -101,10 +115,9 @@ void complete_box(RoomPatch& patch, double least) {
     }
     if (hit < kLeastSeenSide * asked) return;
   }
-  std::vector<cv::Point> ring;
-  for (const cv::Point2f& p : corners) ring.emplace_back(cvRound(p.x), cvRound(p.y));
-  cv::Mat1b filled(patch.mask.size(), std::uint8_t{0}), common;
+  filled.setTo(0);
   cv::fillConvexPoly(filled, ring, cv::Scalar(255));
+  cv::bitwise_or(patch.matters, cv::Scalar(kForeignMatters), patch.matters, filled);
   cv::bitwise_and(filled, patch.foreign, common);
   if (cv::countNonZero(common) > kMostForeign * cv::countNonZero(filled)) return;
   filled.setTo(0, patch.foreign);
@@ -151,13 +164,48 @@ bool make_room(RoomPatch& patch, const RoomOptions& options, Room& room) {
   for (const Eigen::Vector2d& p : room.outline) ring.push_back(patch.space.cell(p));
   cv::Mat1b filled(patch.mask.size(), std::uint8_t{0}), seen;
   cv::fillPoly(filled, std::vector<std::vector<cv::Point>>{ring}, cv::Scalar(255));
-  cv::inRange(patch.space.occupancy, 1, 255, seen);
-  cv::bitwise_and(seen, filled, seen);
+  cv::bitwise_and(patch.seen, filled, seen);
+  cv::bitwise_or(patch.matters, cv::Scalar(kSeenMatters), patch.matters, filled);
   const double inside = cv::countNonZero(filled);
   room.explored = inside > 0 ? cv::countNonZero(seen) / inside : 0.0;
   room.area_m2 = polygon_area_m2(room.outline);
   room.corridor = is_corridor(patch.mask, room.area_m2, patch.space.resolution_m);
   return room.area_m2 >= options.min_area_m2 && room.explored >= options.min_explored;
+}
+
+/// Eight cells of a row at once; beyond its end there is nothing.
+std::uint64_t cells_at(const std::uint8_t* row, int x, int columns) {
+  std::uint64_t cells = 0;
+  if (x + 8 <= columns) std::memcpy(&cells, row + x, 8);
+  else std::memcpy(&cells, row + x, static_cast<std::size_t>(columns - x));
+  return cells;
+}
+
+constexpr std::uint64_t each(int bits) { return 0x0101010101010101U * static_cast<std::uint64_t>(bits); }
+
+/// What make_room() may read of a patch. What it did read is noted in the other bits afterwards.
+cv::Mat1b picture_of(const RoomPatch& patch) {
+  cv::Mat1b picture(patch.mask.size());
+  const std::array<std::pair<const cv::Mat1b*, int>, 5> rasters{std::pair(&patch.mask, kIsRegion), {&patch.foreign, kIsForeign}, {&patch.barrier, kIsBarrier}, {&patch.doorways, kIsDoorway}, {&patch.seen, kIsSeen}};
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; x += 8) {
+      std::uint64_t cells = 0;
+      for (const auto& [raster, bit] : rasters) cells |= cells_at((*raster)[y], x, picture.cols) & each(bit);
+      std::memcpy(picture[y] + x, &cells, static_cast<std::size_t>(std::min(8, picture.cols - x)));
+    }
+  return picture;
+}
+
+/// Whether another picture says the same wherever the answer to this one read it. The region is read everywhere, doorways in it.
+bool says_the_same(const cv::Mat1b& known, const cv::Mat1b& other) {
+  if (known.size() != other.size()) return false;
+  for (int y = 0; y < known.rows; ++y)
+    for (int x = 0; x < known.cols; x += 8) {
+      const std::uint64_t before = cells_at(known[y], x, known.cols), differs = before ^ cells_at(other[y], x, known.cols);
+      const std::uint64_t matters = each(kIsRegion) | (before << 3 & each(kIsDoorway)) | (before >> 3 & each(kIsBarrier)) | (before >> 5 & each(kIsForeign)) | (before >> 3 & each(kIsSeen));
+      if (differs & matters) return false;
+    }
+  return true;
 }
 
 }  // namespace
@@ -186,34 +234,62 @@ RoomPatch RoomMap::patch_of(int region, const Partition& partition, const Floor&
     cv::fillConvexPoly(doorways, ring, cv::Scalar(255));
   }
   cv::dilate(barrier, barrier, cv::getStructuringElement(cv::MORPH_RECT, {2 * reach + 1, 2 * reach + 1}));
-  RoomPatch patch{{}, {}, barrier(box - wide.tl()), doorways, space, found.parking, glimpse};
+  RoomPatch patch{{}, {}, barrier(box - wide.tl()), doorways, {}, cv::Mat1b(box.size(), std::uint8_t{0}), space, found.parking, glimpse};
   patch.space.occupancy = space.occupancy(box);
-  patch.space.origin_m += cell_m * Eigen::Vector2d(box.x, box.y);
+  cv::inRange(patch.space.occupancy, 1, 255, patch.seen);
+  patch.space.corner += box.tl();
   cv::inRange(partition.labels(box), region, region, patch.mask);
   cv::inRange(partition.labels(box), 1, std::numeric_limits<int>::max(), patch.foreign);
   patch.foreign.setTo(0, patch.mask);
   return patch;
 }
 
+RoomMap::Look& RoomMap::look_at(int number, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse, const Boxes& changed, const cv::Rect& all) {
+  const FloorRegion& region = partition.regions.at(number);
+  const cv::Rect from = grown(region.box, kMargin + static_cast<int>(2 * kDoorway_m / space.resolution_m));
+  const Place place{region.box.x, region.box.y, region.box.width, region.box.height};
+  const auto [first, last] = looks_.equal_range(place);
+  const bool untouched = !(meet(all, from) && meet(changed, from));
+  const auto alike = [&](const Look& look) { return look.glimpse == glimpse && look.parking == region.parking; };
+  for (auto known = first; untouched && known != last; ++known)
+    if (known->second.region == number && alike(known->second)) return known->second;
+  RoomPatch patch = patch_of(number, partition, floor, space, glimpse);
+  cv::Mat1b picture = picture_of(patch);
+  for (auto known = first; known != last; ++known)
+    if (!known->second.asked && alike(known->second) && says_the_same(known->second.picture, picture)) {
+      known->second.region = number;
+      if (known->second.room) known->second.room->region = number;
+      return known->second;
+    }
+  Room made;
+  made.region = number;
+  const bool is_room = make_room(patch, options_, made);
+  cv::bitwise_or(picture, patch.matters, picture);
+  return looks_.emplace(place, Look{number, glimpse, region.parking, picture, is_room ? std::optional<Room>(made) : std::nullopt})->second;
+}
+
 std::vector<Room> RoomMap::update(const Partition& partition, const Floor& floor, const KnownSpace& space, const Boxes& changed) {
   const double cell_m = space.resolution_m;
   const std::set<int> small = glimpses(partition, cell_m, options_.glimpse_m2);
-  rooms_.forget(changed);
+  const cv::Rect all = bounds(changed);
+  for (auto& [place, look] : looks_) look.asked = false;
   std::vector<Room> rooms;
   for (const auto& [number, region] : partition.regions) {
     if (region.box.area() * cell_m * cell_m < options_.min_area_m2) continue;
-    const bool glimpse = small.count(number) > 0;
-    const auto& room = rooms_.ask({number, glimpse, region.parking}, grown(region.box, kMargin + static_cast<int>(2 * kDoorway_m / cell_m)), [&, number = number] {
-      RoomPatch patch = patch_of(number, partition, floor, space, glimpse);
-      Room made;
-      made.region = number;
-      return make_room(patch, options_, made) ? std::optional<Room>(made) : std::nullopt;
-    });
-    if (room) rooms.push_back(*room);
+    Look& look = look_at(number, partition, floor, space, small.count(number) > 0, changed, all);
+    look.asked = true;
+    if (look.room) rooms.push_back(*look.room);
   }
+  for (auto look = looks_.begin(); look != looks_.end();) look = look->second.asked ? std::next(look) : looks_.erase(look);
   const auto order = [](const Room& room) { return std::pair(room.outline[0].y(), room.outline[0].x()); };
   std::sort(rooms.begin(), rooms.end(), [&](const Room& p, const Room& q) { return order(p) < order(q); });
   return rooms;
+}
+
+void RoomMap::grow(const Growth& growth) {
+  std::multimap<Place, Look> looks;
+  for (auto& [place, look] : looks_) looks.emplace(Place{place[0] + growth.shift.x, place[1] + growth.shift.y, place[2], place[3]}, std::move(look));
+  looks_ = std::move(looks);
 }
 
 std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, const KnownSpace& space, const RoomOptions& options) {

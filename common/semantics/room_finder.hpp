@@ -4,8 +4,9 @@
 /// The thesis looked for cycles of wall ends; one hidden corner breaks a cycle, and cycles round unseen space are rooms too. Here a region
 /// of seen floor is a room when its outline lies on hits, walls and openings (the closed cycle), and unexplored space cannot be one.
 #pragma once
+#include <array>
+#include <map>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include "common/semantics/partition.hpp"
@@ -27,6 +28,8 @@ struct RoomPatch {
   cv::Mat1b foreign;   ///< other regions
   cv::Mat1b barrier;   ///< hits and openings, fattened
   cv::Mat1b doorways;  ///< openings and what lies near them
+  cv::Mat1b seen;
+  cv::Mat1b matters;   ///< bits: where the answer read barrier, foreign and seen
   KnownSpace space;    ///< shares its pictures
   bool parking;        ///< cars stand in it
   bool glimpse;        ///< small, with one way in
@@ -39,13 +42,24 @@ class RoomMap {
 
   /// @param changed  where partition, floor or space are new since the last call.
   std::vector<Room> update(const Partition& partition, const Floor& floor, const KnownSpace& space, const Boxes& changed);
+  void grow(const Growth& growth);
 
  private:
-  using Asked = std::tuple<int, bool, bool>;   ///< region, a glimpse, parking
+  /// What was looked at, and what came of it. Most of what is new around a room makes no difference to it.
+  struct Look {
+    int region;
+    bool glimpse, parking;
+    cv::Mat1b picture;           ///< all that the answer depends on, and what of it
+    std::optional<Room> room;
+    bool asked = true;           ///< in this round
+  };
+  using Place = std::array<int, 4>;   ///< a region's box
+
   RoomPatch patch_of(int region, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse) const;
+  Look& look_at(int number, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse, const Boxes& changed, const cv::Rect& all);
 
   RoomOptions options_;
-  Memo<Asked, std::optional<Room>> rooms_;
+  std::multimap<Place, Look> looks_;
 };
 
 std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, const KnownSpace& space, const RoomOptions& options);

@@ -49,31 +49,41 @@ class Runs {
 
 }  // namespace
 
-/// Pieces are numbered in the order of their first cells, row by row.
+/// Pieces are numbered in the order of their first cells, row by row. Those that stayed as they were are known again.
 void TiledRegions::label(int tile, const cv::Mat1b& mask) {
   Tile& t = tiles_[static_cast<std::size_t>(tile)];
   const cv::Rect box = tile_box(tile);
   cv::Mat1w labels = local_(box);
+  const cv::Mat1w labels_before = labels.clone();
+  const std::vector<Piece> before = std::move(t.pieces);
   labels.setTo(0);
-  t.stamp = round_;
-  t.cells.clear();
-  t.boxes.clear();
+  t.pieces.clear();
   const Runs found(mask(box));
   const std::vector<Run>& runs = found.runs();
-  std::vector<std::uint16_t> piece(runs.size());
+  std::vector<std::uint16_t> piece(runs.size()), was;  // was: the piece before that all cells of a piece were in
   for (std::size_t k = 0; k < runs.size(); ++k) {
+    const Run& run = runs[k];
     const std::size_t root = found.root(k);
+    const std::uint16_t *old = labels_before[run.y] + run.begin, *old_end = labels_before[run.y] + run.end;
     if (root == k) {
-      t.cells.push_back(0);
-      t.boxes.emplace_back();
-      piece[k] = static_cast<std::uint16_t>(t.cells.size());
+      t.pieces.emplace_back();
+      was.push_back(*old);
+      piece[k] = static_cast<std::uint16_t>(t.pieces.size());
     }
     piece[k] = piece[root];
-    const Run& run = runs[k];
+    std::uint16_t& here = was[piece[k] - 1U];
+    if (std::any_of(old, old_end, [&](std::uint16_t one) { return one != here; })) here = 0;
     std::fill(labels[run.y] + run.begin, labels[run.y] + run.end, piece[k]);
-    t.cells[piece[k] - 1U] += run.end - run.begin;
-    t.boxes[piece[k] - 1U] |= cv::Rect(box.x + run.begin, box.y + run.y, run.end - run.begin, 1);
+    t.pieces[piece[k] - 1U].cells += run.end - run.begin;
+    t.pieces[piece[k] - 1U].box |= cv::Rect(box.x + run.begin, box.y + run.y, run.end - run.begin, 1);
   }
+  bool all_stay = before.size() == was.size();
+  for (std::size_t k = 0; k < was.size(); ++k) {
+    const bool stays = was[k] > 0 && before[was[k] - 1U].cells == t.pieces[k].cells;
+    if (stays) t.pieces[k].known = before[was[k] - 1U].known;
+    all_stay = all_stay && stays && was[k] == k + 1;
+  }
+  if (!all_stay) t.stamp = round_;
 }
 
 void TiledRegions::link(int tile) {
@@ -98,7 +108,7 @@ void TiledRegions::join() {
   int pieces = 0;
   for (Tile& tile : tiles_) {
     tile.first = pieces;
-    pieces += static_cast<int>(tile.cells.size());
+    pieces += static_cast<int>(tile.pieces.size());
   }
   std::vector<int> parent(static_cast<std::size_t>(pieces));
   std::iota(parent.begin(), parent.end(), 0);
@@ -116,28 +126,62 @@ void TiledRegions::join() {
     if (!tiles_[k].right.empty()) unite(tiles_[k], tiles_[k + 1], tiles_[k].right);
     if (!tiles_[k].below.empty()) unite(tiles_[k], tiles_[k + static_cast<std::size_t>(columns_)], tiles_[k].below);
   }
-  numbers_.assign(static_cast<std::size_t>(pieces), 0);
+  region_of_.assign(static_cast<std::size_t>(pieces), 0);
   regions_.clear();
-  for (std::size_t k = 0; k < tiles_.size(); ++k)
-    for (std::size_t piece = 0; piece < tiles_[k].cells.size(); ++piece) {
-      const int here = tiles_[k].first + static_cast<int>(piece), top = root(here);
+  for (const Tile& tile : tiles_)
+    for (std::size_t piece = 0; piece < tile.pieces.size(); ++piece) {
+      const int here = tile.first + static_cast<int>(piece), top = root(here);
       if (top == here) {
         regions_.emplace_back();
-        numbers_[static_cast<std::size_t>(here)] = static_cast<int>(regions_.size());
+        region_of_[static_cast<std::size_t>(here)] = static_cast<int>(regions_.size());
       }
-      const int number = numbers_[static_cast<std::size_t>(here)] = numbers_[static_cast<std::size_t>(top)];
-      Region& region = regions_[static_cast<std::size_t>(number - 1)];
-      region.members.push_back({static_cast<int>(k), static_cast<int>(piece) + 1, tiles_[k].stamp});
-      region.cells += tiles_[k].cells[piece];
-      region.box |= tiles_[k].boxes[piece];
+      const int region = region_of_[static_cast<std::size_t>(here)] = region_of_[static_cast<std::size_t>(top)];
+      regions_[static_cast<std::size_t>(region - 1)].cells += tile.pieces[piece].cells;
+      regions_[static_cast<std::size_t>(region - 1)].box |= tile.pieces[piece].box;
     }
+}
+
+/// A set is the same when all its pieces say that they were in one set, and that it had as many.
+std::vector<int> TiledRegions::number_sets(const std::vector<int>& root_of, Kind kind) {
+  struct Set {
+    Known before;
+    int pieces = 0;
+    bool same = true;
+  };
+  std::vector<Set> sets(root_of.size());
+  const auto each_piece = [&](auto visit) {
+    for (Tile& tile : tiles_)
+      for (std::size_t k = 0; k < tile.pieces.size(); ++k)
+        visit(static_cast<std::size_t>(root_of[static_cast<std::size_t>(region_of_[static_cast<std::size_t>(tile.first) + k])]), tile.pieces[k].known[kind]);
+  };
+  each_piece([&](std::size_t root, const Known& known) {
+    Set& set = sets[root];
+    if (set.pieces++ == 0) set.before = known;
+    else set.same = set.same && known == set.before;
+  });
+  std::vector<int> numbers(sets.size(), 0);
+  for (std::size_t k = 1; k < sets.size(); ++k) {
+    if (sets[k].pieces == 0) continue;
+    numbers[k] = sets[k].same && sets[k].before.number > 0 && sets[k].before.pieces == sets[k].pieces ? sets[k].before.number : ++last_number_[kind];
+  }
+  each_piece([&](std::size_t root, Known& known) { known = {numbers[root], sets[root].pieces}; });
+  return numbers;
+}
+
+/// By whole tiles.
+void TiledRegions::grow(const Growth& growth) {
+  tiles_ = regrown(std::move(tiles_), growth);
+  for (Tile& tile : tiles_)
+    for (Piece& piece : tile.pieces) piece.box += growth.shift;
+  columns_ = columns_in(growth.size);
+  local_ = grown(local_, growth, 0);
 }
 
 void TiledRegions::update(const cv::Mat1b& mask, const Boxes& changed) {
   ++round_;
   if (local_.size() != mask.size()) {
     local_ = cv::Mat1w(mask.size(), std::uint16_t{0});
-    columns_ = (mask.cols + kTile - 1) / kTile;
+    columns_ = columns_in(mask.size());
     tiles_.assign(static_cast<std::size_t>(columns_ * ((mask.rows + kTile - 1) / kTile)), {});
   }
   std::set<int> relabel, relink;
@@ -155,22 +199,19 @@ void TiledRegions::update(const cv::Mat1b& mask, const Boxes& changed) {
   join();
 }
 
-void TiledRegions::numbers_in(int tile, std::vector<int>& numbers) const {
-  const Tile& t = tiles_[static_cast<std::size_t>(tile)];
-  const auto first = numbers_.begin() + t.first;
-  numbers.assign(first, first + static_cast<std::ptrdiff_t>(t.cells.size()));
-}
-
-cv::Mat1b TiledRegions::mask_of(const Region& region, const cv::Rect& box) const {
-  cv::Mat1b mask(box.size(), std::uint8_t{0});
-  for (const Region::Member& member : region.members) {
-    const cv::Rect part = tile_box(member.tile) & box;
-    if (part.area() == 0) continue;
-    cv::Mat1b here;
-    cv::inRange(local_(part), member.local, member.local, here);
-    cv::Mat1b target = mask(part - box.tl());
-    cv::bitwise_or(target, here, target);
-  }
+cv::Mat1b TiledRegions::mask_of(const std::vector<int>& root_of, int root, const cv::Rect& box) const {
+  cv::Mat1b mask(box.size(), std::uint8_t{0}), here;
+  for (int row = box.y / kTile; row * kTile < box.br().y; ++row)
+    for (int column = box.x / kTile; column * kTile < box.br().x; ++column) {
+      const int tile = row * columns_ + column;
+      const cv::Rect part = tile_box(tile) & box;
+      for (int piece = 0; piece < pieces_in(tile); ++piece) {
+        if (root_of[static_cast<std::size_t>(regions_in(tile)[piece])] != root) continue;
+        cv::inRange(local_(part), piece + 1, piece + 1, here);
+        cv::Mat1b target = mask(part - box.tl());
+        cv::bitwise_or(target, here, target);
+      }
+    }
   return mask;
 }
 

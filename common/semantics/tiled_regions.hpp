@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Connected regions of a raster, tile by tile: only tiles that changed are looked at again, and tiles are joined by what meets at their borders.
 #pragma once
-#include <tuple>
+#include <array>
 #include <vector>
 
 #include "common/semantics/boxes.hpp"
@@ -10,12 +10,6 @@ namespace modslam {
 
 /// A connected set of cells (over their sides).
 struct Region {
-  struct Member {
-    int tile, local, stamp;  ///< tile, number within it, and when the tile last changed
-    bool operator==(const Member& o) const { return tile == o.tile && local == o.local && stamp == o.stamp; }
-    bool operator<(const Member& o) const { return std::tie(tile, local, stamp) < std::tie(o.tile, o.local, o.stamp); }
-  };
-  std::vector<Member> members;
   int cells = 0;
   cv::Rect box;
 };
@@ -27,38 +21,70 @@ class TiledRegions {
   /// @param mask  the raster, cells are 0 or 255. @param changed  where it changed since the last call.
   void update(const cv::Mat1b& mask, const Boxes& changed);
 
-  const std::vector<Region>& regions() const { return regions_; }   ///< number k stands at k - 1
-  /// Number of the region at a cell, from 1; 0: none.
+  void grow(const Growth& growth);
+  /// What is kept for each tile by others, in the order of the tiles after the raster grew.
+  template <class Kept>
+  std::vector<Kept> regrown(std::vector<Kept> kept, const Growth& growth) const {
+    const int columns_before = columns_in(local_.size()), columns = columns_in(growth.size);
+    std::vector<Kept> out(static_cast<std::size_t>(columns * ((growth.size.height + kTile - 1) / kTile)));
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      const int row = static_cast<int>(k) / columns_before + growth.shift.y / kTile, column = static_cast<int>(k) % columns_before + growth.shift.x / kTile;
+      out[static_cast<std::size_t>(row * columns + column)] = std::move(kept[k]);
+    }
+    return out;
+  }
+
+  /// In the order of their first cells, tile by tile; region k stands at k - 1.
+  const std::vector<Region>& regions() const { return regions_; }
+  /// The region at a cell, from 1; 0: none.
   int at(const cv::Point& c) const {
     const int local = local_(c);
-    return local == 0 ? 0 : numbers_[static_cast<std::size_t>(tiles_[static_cast<std::size_t>(tile_of(c))].first + local - 1)];
+    return local == 0 ? 0 : region_of_[static_cast<std::size_t>(tiles_[static_cast<std::size_t>(tile_of(c))].first + local - 1)];
   }
-  /// Cells of a region within a box.
-  cv::Mat1b mask_of(const Region& region, const cv::Rect& box) const;
+  /// Sets of regions may be numbered in two ways side by side.
+  enum Kind { kClusters, kRooms, kKinds };
+  /// @param root_of  the set of each region, from 1, at 0 nothing. @return a number for each root; a set that is made of the same pieces as one of the call
+  /// before has its number.
+  std::vector<int> number_sets(const std::vector<int>& root_of, Kind kind);
+  /// Cells of a set of regions within a box.
+  cv::Mat1b mask_of(const std::vector<int>& root_of, int root, const cv::Rect& box) const;
   int tile_count() const { return static_cast<int>(tiles_.size()); }
   cv::Rect tile_box(int tile) const { return cv::Rect(tile % columns_ * kTile, tile / columns_ * kTile, kTile, kTile) & cv::Rect({0, 0}, local_.size()); }
+  /// When the tile last changed.
   int stamp(int tile) const { return tiles_[static_cast<std::size_t>(tile)].stamp; }
-  /// Numbers of the regions of a tile's own pieces.
-  void numbers_in(int tile, std::vector<int>& numbers) const;
-  /// Numbers of the pieces in a row of cells, each from 1 in its own tile; 0: none.
+  /// How many pieces a tile has, and the regions of these.
+  int pieces_in(int tile) const { return static_cast<int>(tiles_[static_cast<std::size_t>(tile)].pieces.size()); }
+  const int* regions_in(int tile) const { return region_of_.data() + tiles_[static_cast<std::size_t>(tile)].first; }
+  /// The pieces in a row of cells, each from 1 in its own tile; 0: none.
   const std::uint16_t* pieces(int row) const { return local_[row]; }
 
  private:
+  /// The set that a piece was in: its number, and how many pieces it had.
+  struct Known {
+    int number = 0, pieces = 0;
+    bool operator==(const Known& o) const { return number == o.number && pieces == o.pieces; }
+  };
+  struct Piece {
+    int cells = 0;
+    cv::Rect box;
+    std::array<Known, kKinds> known;
+  };
   struct Tile {
     int stamp = 0, first = 0;                         ///< first: place of its first piece among all
-    std::vector<int> cells;
-    std::vector<cv::Rect> boxes;
+    std::vector<Piece> pieces;
     std::vector<std::pair<int, int>> right, below;    ///< its pieces and those of the neighbour that they meet
   };
+  static int columns_in(const cv::Size& size) { return (size.width + kTile - 1) / kTile; }
   int tile_of(const cv::Point& c) const { return c.y / kTile * columns_ + c.x / kTile; }
   void label(int tile, const cv::Mat1b& mask);
   void link(int tile);
   void join();
 
   int columns_ = 0, round_ = 0;
+  std::array<int, kKinds> last_number_{};
   cv::Mat1w local_;
   std::vector<Tile> tiles_;
-  std::vector<int> numbers_;  ///< region of each piece
+  std::vector<int> region_of_;  ///< of each piece
   std::vector<Region> regions_;
 };
 

@@ -31,6 +31,10 @@ class Band {
   bool takes(const Band& other, const WallMapOptions& options) const;
   void absorb(const Band& other);
   WallBand walls(const WallMapOptions& options, const std::function<bool(const Eigen::Vector2d&)>& is_solid) const;
+  /// To the bit: with the same surroundings it has the same walls.
+  bool operator==(const Band& o) const {
+    return n_ == o.n_ && mean_ == o.mean_ && towards_ == o.towards_ && scatter_ == o.scatter_ && stretches_ == o.stretches_;
+  }
   double points() const { return n_; }
   double length_m() const { return high_ - low_; }
   Eigen::Vector2d low_end() const { return mean_ + low_ * direction_; }
@@ -40,6 +44,7 @@ class Band {
   struct Stretch {
     Eigen::Vector2d first, step;  ///< places of its bins
     std::vector<std::int32_t> sightings;
+    bool operator==(const Stretch& o) const { return first == o.first && step == o.step && sightings == o.sightings; }
   };
   double along(const Eigen::Vector2d& p) const { return direction_.dot(p - mean_); }
   double across(const Eigen::Vector2d& p) const { return direction_.x() * (p.y() - mean_.y()) - direction_.y() * (p.x() - mean_.x()); }

@@ -11,11 +11,6 @@ namespace {
 constexpr double kPlanCell_m = 0.05;
 constexpr double kAround_m = 0.3;  // what says whether a wall is solid lies this near
 
-cv::Rect block_box(const WallBlocks::Index& index) {
-  const Eigen::Vector2d half(0.5 * WallBlocks::kBlock_m, 0.5 * WallBlocks::kBlock_m);
-  return plan_box(WallBlocks::centre(index) - half, WallBlocks::centre(index) + half, 0);
-}
-
 std::array<double, 4> ends_of(const Wall& wall) { return {wall.a.x(), wall.a.y(), wall.b.x(), wall.b.y()}; }
 
 /// Heaviest first, each takes what fits of the rest, until none fits any more.
@@ -42,13 +37,17 @@ cv::Rect plan_box(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double mar
   return {cv::Point(down(low.x()), down(low.y())), cv::Point(down(high.x()) + 1, down(high.y()) + 1)};
 }
 
-void WallMap::find_bands(const Index& index) {
+void WallMap::find_bands(const Index& index, std::set<Member>& fresh) {
   std::vector<Band> bands;
   const auto block = blocks_.blocks().find(index);
   if (block != blocks_.blocks().end())
     for (const auto& [key, sums] : block->second)
       if (sums.n > 0) bands.emplace_back(index, key, sums);
-  bands_[index] = joined(std::move(bands), options_);
+  bands = joined(std::move(bands), options_);
+  std::vector<Band>& known = bands_[index];
+  for (std::size_t k = 0; k < bands.size(); ++k)
+    if (k >= known.size() || !(bands[k] == known[k])) fresh.emplace(index, static_cast<int>(k));
+  known = std::move(bands);
 }
 
 void WallMap::find_links(const Index& index) {
@@ -121,14 +120,12 @@ std::vector<std::vector<WallMap::Member>> WallMap::chains_of(const std::vector<M
 
 cv::Rect WallMap::surroundings(const std::vector<Member>& members) const {
   Eigen::Vector2d low(1e300, 1e300), high(-1e300, -1e300);
-  cv::Rect from;
   for (const Member& member : members) {
     const Eigen::Vector2d a = band(member).low_end(), b = band(member).high_end();
     low = low.cwiseMin(a).cwiseMin(b);
     high = high.cwiseMax(a).cwiseMax(b);
-    from |= block_box(member.first);
   }
-  return from | plan_box(low, high, kAround_m);
+  return plan_box(low, high, kAround_m);
 }
 
 void WallMap::find_walls(Chain& chain, const IsSolid& is_solid, const Finish& finish, const KnownWalls& known) const {
@@ -150,21 +147,21 @@ void WallMap::find_walls(Chain& chain, const IsSolid& is_solid, const Finish& fi
 }
 
 std::vector<const WallBand*> WallMap::update(const IsSolid& is_solid, const Finish& finish, const Boxes& changed) {
-  Boxes stirred = changed;
   const std::set<Index> news = blocks_.take_changed();
   std::set<Index> relink, around;
+  std::set<Member> fresh;
   for (const Index& index : news) {
-    stirred.push_back(block_box(index));
     for (const auto& [dx, dy] : {std::pair(0, 0), std::pair(-1, 0), std::pair(0, -1), std::pair(-1, -1), std::pair(1, -1)})
       relink.insert({index.first + dx, index.second + dy});
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx) around.insert({index.first + dx, index.second + dy});
   }
-  for (const Index& index : news) find_bands(index);
+  for (const Index& index : news) find_bands(index, fresh);
   for (const Index& index : relink) find_links(index);
 
-  const cv::Rect all = bounds(stirred);
-  const auto is_stirred = [&](const cv::Rect& from) { return meet(all, from) && meet(stirred, from); };
+  const cv::Rect all = bounds(changed);
+  const auto is_stirred = [&](const cv::Rect& from) { return meet(all, from) && meet(changed, from); };
+  const auto is_fresh = [&](const Member& member) { return fresh.count(member) > 0; };
   KnownWalls known;
   const auto keep = [&](const Chain& chain) {
     for (const WallBand& one : chain.bands)
@@ -187,7 +184,8 @@ std::vector<const WallBand*> WallMap::update(const IsSolid& is_solid, const Fini
     chain.from = surroundings(members);
     chain.members = std::move(members);
     const auto same = std::find_if(dissolved.begin(), dissolved.end(), [&](const Chain& old) { return old.members == chain.members && old.from == chain.from; });
-    if (same != dissolved.end() && !is_stirred(chain.from)) chain.bands = std::move(same->bands);
+    const bool stays = same != dissolved.end() && !is_stirred(chain.from) && std::none_of(chain.members.begin(), chain.members.end(), is_fresh);
+    if (stays) chain.bands = std::move(same->bands);
     else stale.push_back(&chain);
   }
   for (Chain* chain : stale) find_walls(*chain, is_solid, finish, known);

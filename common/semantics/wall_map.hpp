@@ -37,12 +37,13 @@ class WallMap {
   /// Bands that go on in each other, and the walls on them.
   struct Chain {
     std::vector<Member> members;
-    cv::Rect from;                        ///< cells that its walls depend on
+    cv::Rect from;                        ///< cells that its walls depend on, but for the bands
     std::vector<WallBand> bands;
   };
   using KnownWalls = std::map<std::array<double, 4>, Wall>;   ///< by both ends: of a long band with news at one end most walls stay
 
-  void find_bands(const Index& index);
+  /// @param fresh  takes the bands that are not what they were.
+  void find_bands(const Index& index, std::set<Member>& fresh);
   void find_links(const Index& index);
   std::vector<Member> dissolve(const std::set<Index>& blocks, std::vector<Chain>& dissolved);
   std::vector<std::vector<Member>> chains_of(const std::vector<Member>& loose) const;

@@ -93,7 +93,7 @@ TEST_CASE("two rooms with a door between are two rooms, and the door names both"
   REQUIRE(rooms[0].area_m2 + rooms[1].area_m2 == Approx(5.9 * 6 + 3.9 * 6).margin((23.8 + 19.8) * kRim_m));
   rooms[0].id = 7;
   rooms[1].id = 9;
-  auto doors = find_doors(partition, DoorSightings(), {});
+  auto doors = find_doors(partition, std::vector<DoorSighting>(), {});
   REQUIRE(doors.size() == 1);
   join_rooms(doors, rooms);
   REQUIRE(std::min(doors[0].room_a, doors[0].room_b) == 7);
