@@ -103,7 +103,8 @@ std::optional<FurnitureMap::Niche> FurnitureMap::niche_of(const Wall& front, con
     const Vec d = back.direction(), out = back.normal();
     if (direction.dot(d) < kSameWay || (front.a == back.a && front.b == back.b)) continue;
     const Niche niche{back.a, d, out, d.dot(front.a - back.a), d.dot(front.b - back.a), out.dot(0.5 * (front.a + front.b) - back.a)};
-    if (niche.depth < kLeastDepth_m || niche.depth > deepest || (found && order(*found) < order(niche))) continue;
+    const double least_m = std::min(out.dot(front.a - back.a), out.dot(front.b - back.a));  // a wall that bends away begins where this one ends
+    if (least_m < kLeastDepth_m || niche.depth > deepest || (found && order(*found) < order(niche))) continue;
     if (niche.low > back.length_m() + kPastBack_m || niche.high < -kPastBack_m) continue;
     if (free_between(front, 0.5 * niche.depth * out, is_free) > 0.3 || !is_wall_behind(front, back, niche)) continue;
     found = niche;

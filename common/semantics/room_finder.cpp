@@ -62,8 +62,36 @@ double doorway_m(const Opening& cut, const Eigen::Vector2d& n, IsFloor is_floor)
   return depth_m;
 }
 
+/// Whether a corner of the room's box is cut off by a wall, as in bays and halls with many sides: most of its rim within the box runs askew and was hit.
+/// Furniture in a corner stands along the box, and the rims of what it shades were not hit.
+bool is_cut_off(const cv::Mat1b& piece, const cv::Point& corner, const std::vector<cv::Point2f>& box, RoomPatch& patch) {
+  constexpr double kAskew = 0.35, kStraight_m = 0.1, kOnBox_m = 0.15, kMostly = 0.5;
+  const double cell_m = patch.space.resolution_m;
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(piece, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE, corner);
+  std::vector<cv::Point> ring;
+  cv::approxPolyDP(contours.at(0), ring, kStraight_m / cell_m, true);
+  const cv::Point2f side = box[1] - box[0];
+  double within = 0, askew = 0;
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    const cv::Point2f a(ring[k]), d = cv::Point2f(ring[(k + 1) % ring.size()]) - a, middle = a + 0.5F * d;
+    const double length = cv::norm(d);
+    if (std::abs(cv::pointPolygonTest(box, middle, true)) * cell_m < kOnBox_m) continue;
+    within += length;
+    const double along = std::abs(d.dot(side)), across = std::abs(d.x * side.y - d.y * side.x);
+    int hit = 0, asked = 0;
+    for (double s = 0.5; s < length; s += 1, ++asked) {
+      const cv::Point c(a + static_cast<float>(s / length) * d);
+      patch.matters(c) |= kBarrierMatters;
+      hit += patch.barrier(c) > 0;
+    }
+    if (std::min(along, across) > kAskew * std::max(along, across) && 4 * hit > 3 * asked) askew += length;
+  }
+  return askew > kMostly * within;
+}
+
 /// What is larger than furniture, or cars where cars park, is space of its own that was not seen.
-void drop_unlikely_pieces(cv::Mat1b& filled, const RoomPatch& patch) {
+void drop_unlikely_pieces(cv::Mat1b& filled, const std::vector<cv::Point2f>& room_box, RoomPatch& patch) {
   const double cell_m = patch.space.resolution_m;
   const int strip = 2 * static_cast<int>(std::lround(kStrip_m / cell_m / 2)) + 1;
   const cv::Rect all = grown(box_of_set(filled), strip) & cv::Rect({0, 0}, filled.size());
@@ -80,7 +108,7 @@ void drop_unlikely_pieces(cv::Mat1b& filled, const RoomPatch& patch) {
     const cv::Size2f size = cv::minAreaRect(rim_cells(piece)).size;
     const double thick_m = thickness_m(piece, cell_m), along_m = std::max(size.width, size.height) * cell_m;
     const bool likely = thick_m < kCounter_m || (thick_m < kBulky_m && (patch.parking || along_m < kBulkyLength_m));
-    if (!likely) filled(box + all.tl()).setTo(0, piece);
+    if (!likely || (!patch.parking && is_cut_off(piece, box.tl() + all.tl(), room_box, patch))) filled(box + all.tl()).setTo(0, piece);
   }
 }
 
@@ -123,7 +151,7 @@ void complete_box(RoomPatch& patch, double least) {
   filled.setTo(0, patch.foreign);
   filled.setTo(0, holes_of(patch.mask));
   filled.setTo(0, patch.mask);
-  drop_unlikely_pieces(filled, patch);
+  drop_unlikely_pieces(filled, {corners, corners + 4}, patch);
   cv::bitwise_or(patch.mask, filled, patch.mask);
 }
 
