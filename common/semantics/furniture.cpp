@@ -21,6 +21,7 @@ constexpr double kTouch_m = 0.25, kDoor_m = 1.7, kInLine_m = 0.12;
 constexpr double kThickest_m = 0.65;                       // of a wall
 constexpr double kInwards_m2 = 0.5;
 constexpr double kSmallGroup_m = 4.0;                       // a group of faces this small that nothing joins to others stands alone
+constexpr double kPiece_m = 1.2, kThin_m = 0.35;           // ... unless it is a piece of wall between doors
 constexpr double kNext_m = kDoor_m + 0.3;                   // faces of one group are this near
 
 double deepest_m(double front_m) {
@@ -190,6 +191,20 @@ FurnitureMap::Numbers FurnitureMap::group_of(std::size_t first, PlanBox& box) co
   return group;
 }
 
+/// Long and no thicker than a wall.
+bool FurnitureMap::is_piece_of_wall(const Numbers& group) const {
+  const auto longest = *std::max_element(group.begin(), group.end(), [&](std::size_t p, std::size_t q) { return walls_[p].length_m() < walls_[q].length_m(); });
+  const Wall& face = walls_[longest];
+  Vec low(0, 0), high(0, 0);
+  for (const std::size_t k : group)
+    for (const Vec& p : {walls_[k].a, walls_[k].b}) {
+      const Vec here(face.direction().dot(p - face.a), face.normal().dot(p - face.a));
+      low = low.cwiseMin(here);
+      high = high.cwiseMax(here);
+    }
+  return high.x() - low.x() > kPiece_m && high.y() - low.y() < kThin_m;
+}
+
 void FurnitureMap::find_lone_groups(const Numbers& numbers) {
   for (const std::size_t k : numbers) lone_[k] = false;
   if (!was_large_) return;
@@ -203,7 +218,7 @@ void FurnitureMap::find_lone_groups(const Numbers& numbers) {
     // The faces of a small room look inwards, those of a thing outwards.
     double outwards = 0;
     for (const std::size_t k : group) outwards += walls_[k].length_m() * walls_[k].normal().dot(0.5 * (walls_[k].a + walls_[k].b) - 0.5 * (box.low + box.high));
-    for (const std::size_t k : group) lone_[k] = outwards > -kInwards_m2;
+    for (const std::size_t k : group) lone_[k] = outwards > -kInwards_m2 && !is_piece_of_wall(group);
   }
 }
 

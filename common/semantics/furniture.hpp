@@ -49,6 +49,7 @@ class FurnitureMap {
   void find_fronts(const Numbers& numbers, const IsFree& is_free, std::vector<PlanBox>& stirred);
   void find_sides(const Numbers& numbers, std::vector<PlanBox>& stirred);
   Numbers group_of(std::size_t first, PlanBox& box) const;
+  bool is_piece_of_wall(const Numbers& group) const;
   void find_lone_groups(const Numbers& numbers);
   bool is_large() const;
 

@@ -89,6 +89,25 @@ TEST_CASE("a long counter is furniture where wall is seen in line behind both it
   REQUIRE_FALSE(find_furniture({before, longer, wall(12, 0, 15, 0), across}, nowhere_free)[1]);
 }
 
+TEST_CASE("the next stretch of a wall that bends away is not behind it, as the wall beside a cupboard is") {
+  const double bend = 0.12, back = 3 * std::sin(bend);
+  std::vector<Wall> walls{wall(-3 * std::cos(bend), -back, 0, 0), wall(0, 0, 3, 0), wall(3, 0, 3 + 3 * std::cos(bend), -back), wall(10, -10, 10, 10)};
+  REQUIRE(find_furniture(walls, nowhere_free) == std::vector<bool>(4, false));
+  walls[0] = wall(-3, -0.5, 0, -0.5);
+  walls[2] = wall(3, -0.5, 6, -0.5);
+  REQUIRE(find_furniture(walls, nowhere_free)[1]);
+}
+
+TEST_CASE("two faces that nothing joins to others are a piece of wall when they are as near as a wall is thin, else a thing") {
+  const auto alone = [](double length_m, double thick_m) {
+    const std::vector<Wall> walls{wall(0, 0, length_m, 0), wall(length_m, -thick_m, 0, -thick_m), wall(-10, 10, 10, 10)};
+    return find_furniture(walls, nowhere_free)[0];
+  };
+  REQUIRE_FALSE(alone(2.5, 0.2));
+  REQUIRE(alone(2.5, 0.6));
+  REQUIRE(alone(0.9, 0.2));
+}
+
 TEST_CASE("what stands before a wall has a footprint from its front to the wall, once, whatever else was seen of it") {
   const std::vector<Wall> walls = {wall(0, 0, 6, 0), wall(6, 5, 0, 5), wall(2, 0.6, 3.6, 0.6), wall(2.2, 0.5, 3.2, 0.5)};
   FurnitureMap map;

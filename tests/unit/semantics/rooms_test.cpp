@@ -157,6 +157,20 @@ TEST_CASE("a closed room keeps its box when furniture hides more than a third of
   }
 }
 
+TEST_CASE("a wall across a corner of the room's box leaves the corner outside, a cupboard of that size does not") {
+  for (const bool askew : {true, false}) {
+    KnownSpace space = test::unknown_floor(9, 8);
+    test::fill(space, 0.9, 0.9, 8.1, 7.1, test::kSolid);
+    test::fill(space, 1, 1, 8, 7, test::kFree);
+    const std::vector<cv::Point> corner = askew ? std::vector<cv::Point>{{80, 50}, {80, 70}, {60, 70}} : std::vector<cv::Point>{{68, 52}, {80, 52}, {80, 70}, {68, 70}};
+    cv::fillConvexPoly(space.occupancy, corner, cv::Scalar(test::kUnknown));
+    cv::polylines(space.occupancy, std::vector<std::vector<cv::Point>>{corner}, true, cv::Scalar(test::kSolid), 2);
+    const auto rooms = rooms_of(space);
+    REQUIRE(rooms.size() == 1);
+    REQUIRE(contains(rooms[0].outline, {7.7, 6.7}) != askew);
+  }
+}
+
 TEST_CASE("an unexplored rectangle between walls is no room, nor is open floor without walls") {
   TwoRooms plan;
   test::fill(plan.space, 7.1, 1, 11, 7, test::kUnknown);
