@@ -69,9 +69,11 @@ double enclosed_share(RoomPatch& patch) {
 /// What the region runs all the way round.
 cv::Mat1b holes_of(const cv::Mat1b& mask) {
   std::vector<std::vector<cv::Point>> contours;
-  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  std::vector<cv::Vec4i> tree;
+  cv::findContours(mask, contours, tree, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
   cv::Mat1b holes(mask.size(), std::uint8_t{0});
-  cv::drawContours(holes, contours, -1, cv::Scalar(255), cv::FILLED);
+  for (std::size_t k = 0; k < contours.size(); ++k)
+    if (tree[k][3] >= 0) cv::drawContours(holes, contours, static_cast<int>(k), cv::Scalar(255), cv::FILLED);
   holes.setTo(0, mask);
   return holes;
 }
