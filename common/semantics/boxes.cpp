@@ -69,8 +69,9 @@ cv::Rect box_of_set(const cv::Mat1b& mask) {
   const auto is_set = [](std::uint8_t cell) { return cell != 0; };
   return box_of_rows(mask, [&](int y, std::ptrdiff_t& first, std::ptrdiff_t& last) {
     const std::uint8_t *row = mask[y], *end = row + mask.cols;
+    const bool all_alike = std::memcmp(row, row + 1, static_cast<std::size_t>(mask.cols - 1)) == 0;
+    if (all_alike && *row == 0) return false;
     first = std::find_if(row, end, is_set) - row;
-    if (first == mask.cols) return false;
     for (last = mask.cols - 1; !is_set(row[last]);) --last;
     return true;
   });

@@ -74,11 +74,6 @@ bool belong_together(const Wall& p, const Wall& q) {
   return std::min({distance_to(p.a, q), distance_to(p.b, q), distance_to(q.a, p), distance_to(q.b, p)}) < kTouch_m;
 }
 
-void sort_once(std::vector<std::size_t>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
-
 }  // namespace
 
 bool FurnitureMap::Niche::holds(const Vec& p) const {
@@ -147,10 +142,14 @@ bool FurnitureMap::is_side(const Wall& wall) const {
 
 FurnitureMap::Numbers FurnitureMap::near(const std::vector<PlanBox>& boxes, double margin_m) const {
   Numbers out;
+  std::vector<char> is_in(walls_.end(), false);
   for (const PlanBox& box : boxes)
-    for (const std::size_t k : walls_.near(box.low, box.high, margin_m))
-      if (meet(box, box_of(walls_[k]), margin_m)) out.push_back(k);
-  sort_once(out);
+    walls_.each_near(box.low, box.high, margin_m, [&](std::size_t k) {
+      if (is_in[k] || !meet(box, box_of(walls_[k]), margin_m)) return;
+      is_in[k] = true;
+      out.push_back(k);
+    });
+  std::sort(out.begin(), out.end());
   return out;
 }
 

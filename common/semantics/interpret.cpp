@@ -95,6 +95,15 @@ std::vector<Wall> without_faces(const std::vector<const WallBand*>& bands, const
   return out;
 }
 
+/// Keeps the walls of whose places in the list `stays` says so.
+template <class Stays>
+void keep_those(std::vector<Wall>& walls, Stays stays) {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < walls.size(); ++k)
+    if (stays(k) && kept++ != k) walls[kept - 1] = walls[k];
+  walls.resize(kept);
+}
+
 /// What stands before a wall, as an object.
 Object at_wall(const std::array<Eigen::Vector2d, 4>& ring) {
   Object object;
@@ -245,10 +254,7 @@ void Interpreter::drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& 
   std::sort(stirred.begin(), stirred.end());
   stirred.erase(std::unique(stirred.begin(), stirred.end()), stirred.end());
   for (const std::size_t k : stirred) hides_[k] = hides(known_walls_[k]);
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < layers.walls.size(); ++k)
-    if (!hides_[known_walls_.numbers()[k]]) layers.walls[kept++] = layers.walls[k];
-  layers.walls.resize(kept);
+  keep_those(layers.walls, [&](std::size_t k) { return !hides_[known_walls_.numbers()[k]]; });
 }
 
 SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed) {
@@ -262,10 +268,9 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   const std::vector<bool> dropped = pieces_of_wall(objects_, bands, space, config_);
   for (std::size_t k = 0; k < dropped.size(); ++k)
     if (!dropped[k]) layers.objects.push_back(objects_.objects[k].object);
-  const std::vector<Wall> faces = without_faces(bands, objects_, dropped, space);
-  const std::vector<bool> furniture = find_furniture(faces, space, changed);
-  for (std::size_t k = 0; k < faces.size(); ++k)
-    if (!furniture[k]) layers.walls.push_back(faces[k]);
+  layers.walls = without_faces(bands, objects_, dropped, space);
+  const std::vector<bool> furniture = find_furniture(layers.walls, space, changed);
+  keep_those(layers.walls, [&](std::size_t k) { return !furniture[k]; });
   const auto is_free = [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); };
   for (const auto& ring : furniture_.footprints())
     if (floor_share(ring, is_free) < kMostFloor) layers.objects.push_back(at_wall(ring));

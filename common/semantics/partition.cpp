@@ -250,7 +250,9 @@ Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, std::vecto
   for (int tile = 0; tile < tiles_.tile_count(); ++tile) {
     const auto t = static_cast<std::size_t>(tile);
     const int *first = tiles_.regions_in(tile), *last = first + tiles_.pieces_in(tile);
-    if (painted_stamp_[t] == tiles_.stamp(tile) && std::equal(painted_[t].begin(), painted_[t].end(), first, last, is_painted) && !meet(stirred, tiles_.tile_box(tile))) continue;
+    if (painted_stamp_[t] == tiles_.stamp(tile) && std::equal(painted_[t].begin(), painted_[t].end(), first, last, is_painted) &&
+        (stirred.empty() || !meet(stirred, tiles_.tile_box(tile))))
+      continue;
     const cv::Rect box = tiles_.tile_box(tile);
     numbers.assign(1, 0);
     for (; first != last; ++first) numbers.push_back(number_of_[static_cast<std::size_t>(*first)]);

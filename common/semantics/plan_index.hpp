@@ -30,12 +30,20 @@ class PlanIndex {
     });
   }
 
+  /// Visits the numbers of all things that may lie within `margin_m` of the box, in no order, some more than once.
+  template <class Visit>
+  void each_near(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m, Visit visit) const {
+    each_square(p, q, margin_m, [&](std::int64_t key) {
+      const auto square = squares_.find(key);
+      if (square == squares_.end()) return;
+      for (const std::size_t number : square->second) visit(number);
+    });
+  }
+
   /// Numbers of all things that may lie within `margin_m` of the box, lowest first.
   std::vector<std::size_t> near(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m) const {
     std::vector<std::size_t> found;
-    each_square(p, q, margin_m, [&](std::int64_t key) {
-      if (const auto square = squares_.find(key); square != squares_.end()) found.insert(found.end(), square->second.begin(), square->second.end());
-    });
+    each_near(p, q, margin_m, [&](std::size_t number) { found.push_back(number); });
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
     return found;

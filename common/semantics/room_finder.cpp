@@ -26,6 +26,31 @@ constexpr double kLeastOfBox = 0.65, kLeastOfClosedBox = 0.55, kClosed = 0.8, kL
 /// Bits of a cell in the picture of a room: what is there, and what of it the answer depends on.
 enum RoomPicture { kIsRegion = 1, kIsForeign = 2, kIsBarrier = 4, kIsDoorway = 8, kIsSeen = 16, kBarrierMatters = 32, kForeignMatters = 64, kSeenMatters = 128 };
 
+/// Eight cells of a row at once; beyond its end there is nothing.
+std::uint64_t cells_at(const std::uint8_t* row, int x, int columns) {
+  std::uint64_t cells = 0;
+  if (x + 8 <= columns) std::memcpy(&cells, row + x, 8);
+  else std::memcpy(&cells, row + x, static_cast<std::size_t>(columns - x));
+  return cells;
+}
+
+constexpr std::uint64_t each(int bits) { return 0x0101010101010101U * static_cast<std::uint64_t>(bits); }
+
+void put_cells(std::uint64_t cells, std::uint8_t* row, int x, int columns) {
+  if (x + 8 <= columns) std::memcpy(row + x, &cells, 8);
+  else std::memcpy(row + x, &cells, static_cast<std::size_t>(columns - x));
+}
+
+/// Sets a bit where the mask is set.
+void set_bit(cv::Mat1b& bits, int bit, const cv::Mat1b& mask) {
+  for (int y = 0; y < bits.rows; ++y) {
+    std::uint8_t* row = bits[y];
+    const std::uint8_t* set = mask[y];
+    for (int x = 0; x < bits.cols; x += 8)
+      if (const std::uint64_t cells = cells_at(set, x, bits.cols)) put_cells(cells_at(row, x, bits.cols) | (cells & each(bit)), row, x, bits.cols);
+  }
+}
+
 bool is_corridor(const cv::Mat1b& mask, double area_m2, double resolution_m) {
   const double width_m = thickness_m(mask, resolution_m);
   return width_m < kCorridorWidth_m && area_m2 / (width_m * width_m) > kCorridorElongation;
@@ -35,7 +60,7 @@ bool is_corridor(const cv::Mat1b& mask, double area_m2, double resolution_m) {
 double enclosed_share(RoomPatch& patch) {
   cv::Mat1b rim, on_barrier;
   cv::morphologyEx(patch.mask, rim, cv::MORPH_GRADIENT, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
-  cv::bitwise_or(patch.matters, cv::Scalar(kBarrierMatters), patch.matters, rim);
+  set_bit(patch.matters, kBarrierMatters, rim);
   cv::bitwise_and(rim, patch.barrier, on_barrier);
   const int all = cv::countNonZero(rim);
   return all ? static_cast<double>(cv::countNonZero(on_barrier)) / all : 0.0;
@@ -44,9 +69,11 @@ double enclosed_share(RoomPatch& patch) {
 /// What the region runs all the way round.
 cv::Mat1b holes_of(const cv::Mat1b& mask) {
   std::vector<std::vector<cv::Point>> contours;
-  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  std::vector<cv::Vec4i> tree;
+  cv::findContours(mask, contours, tree, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
   cv::Mat1b holes(mask.size(), std::uint8_t{0});
-  cv::drawContours(holes, contours, -1, cv::Scalar(255), cv::FILLED);
+  for (std::size_t k = 0; k < contours.size(); ++k)
+    if (tree[k][3] >= 0) cv::drawContours(holes, contours, static_cast<int>(k), cv::Scalar(255), cv::FILLED);
   holes.setTo(0, mask);
   return holes;
 }
@@ -133,7 +160,7 @@ void complete_box(RoomPatch& patch, double least) {
   for (const cv::Point2f& p : corners) ring.emplace_back(cvRound(p.x), cvRound(p.y));
   cv::Mat1b filled(patch.mask.size(), std::uint8_t{0}), common;
   cv::polylines(filled, std::vector<std::vector<cv::Point>>{ring}, true, cv::Scalar(255), 5);
-  cv::bitwise_or(patch.matters, cv::Scalar(kBarrierMatters), patch.matters, filled);
+  set_bit(patch.matters, kBarrierMatters, filled);
   for (int k = 0; k < 4; ++k) {
     int hit = 0, asked = 0;
     for (double t = 0.02; t < 1; t += 0.02, ++asked) {
@@ -145,7 +172,7 @@ void complete_box(RoomPatch& patch, double least) {
   }
   filled.setTo(0);
   cv::fillConvexPoly(filled, ring, cv::Scalar(255));
-  cv::bitwise_or(patch.matters, cv::Scalar(kForeignMatters), patch.matters, filled);
+  set_bit(patch.matters, kForeignMatters, filled);
   cv::bitwise_and(filled, patch.foreign, common);
   if (cv::countNonZero(common) > kMostForeign * cv::countNonZero(filled)) return;
   filled.setTo(0, patch.foreign);
@@ -193,7 +220,7 @@ bool make_room(RoomPatch& patch, const RoomOptions& options, Room& room) {
   cv::Mat1b filled(patch.mask.size(), std::uint8_t{0}), seen;
   cv::fillPoly(filled, std::vector<std::vector<cv::Point>>{ring}, cv::Scalar(255));
   cv::bitwise_and(patch.seen, filled, seen);
-  cv::bitwise_or(patch.matters, cv::Scalar(kSeenMatters), patch.matters, filled);
+  set_bit(patch.matters, kSeenMatters, filled);
   const double inside = cv::countNonZero(filled);
   room.explored = inside > 0 ? cv::countNonZero(seen) / inside : 0.0;
   room.area_m2 = polygon_area_m2(room.outline);
@@ -201,38 +228,28 @@ bool make_room(RoomPatch& patch, const RoomOptions& options, Room& room) {
   return room.area_m2 >= options.min_area_m2 && room.explored >= options.min_explored;
 }
 
-/// Eight cells of a row at once; beyond its end there is nothing.
-std::uint64_t cells_at(const std::uint8_t* row, int x, int columns) {
-  std::uint64_t cells = 0;
-  if (x + 8 <= columns) std::memcpy(&cells, row + x, 8);
-  else std::memcpy(&cells, row + x, static_cast<std::size_t>(columns - x));
-  return cells;
-}
-
-constexpr std::uint64_t each(int bits) { return 0x0101010101010101U * static_cast<std::uint64_t>(bits); }
-
 /// What make_room() may read of a patch. What it did read is noted in the other bits afterwards.
 cv::Mat1b picture_of(const RoomPatch& patch) {
-  cv::Mat1b picture(patch.mask.size());
-  const std::array<std::pair<const cv::Mat1b*, int>, 5> rasters{std::pair(&patch.mask, kIsRegion), {&patch.foreign, kIsForeign}, {&patch.barrier, kIsBarrier}, {&patch.doorways, kIsDoorway}, {&patch.seen, kIsSeen}};
-  for (int y = 0; y < picture.rows; ++y)
-    for (int x = 0; x < picture.cols; x += 8) {
-      std::uint64_t cells = 0;
-      for (const auto& [raster, bit] : rasters) cells |= cells_at((*raster)[y], x, picture.cols) & each(bit);
-      std::memcpy(picture[y] + x, &cells, static_cast<std::size_t>(std::min(8, picture.cols - x)));
-    }
+  cv::Mat1b picture(patch.mask.size(), std::uint8_t{0});
+  set_bit(picture, kIsRegion, patch.mask);
+  set_bit(picture, kIsForeign, patch.foreign);
+  set_bit(picture, kIsBarrier, patch.barrier);
+  set_bit(picture, kIsDoorway, patch.doorways);
+  set_bit(picture, kIsSeen, patch.seen);
   return picture;
 }
 
 /// Whether another picture says the same wherever the answer to this one read it. The region is read everywhere, doorways in it.
 bool says_the_same(const cv::Mat1b& known, const cv::Mat1b& other) {
   if (known.size() != other.size()) return false;
-  for (int y = 0; y < known.rows; ++y)
+  for (int y = 0; y < known.rows; ++y) {
+    const std::uint8_t *row = known[y], *other_row = other[y];
     for (int x = 0; x < known.cols; x += 8) {
-      const std::uint64_t before = cells_at(known[y], x, known.cols), differs = before ^ cells_at(other[y], x, known.cols);
+      const std::uint64_t before = cells_at(row, x, known.cols), differs = before ^ cells_at(other_row, x, known.cols);
       const std::uint64_t matters = each(kIsRegion) | (before << 3 & each(kIsDoorway)) | (before >> 3 & each(kIsBarrier)) | (before >> 5 & each(kIsForeign)) | (before >> 3 & each(kIsSeen));
       if (differs & matters) return false;
     }
+  }
   return true;
 }
 

@@ -28,6 +28,11 @@ class WallSet {
   std::size_t end() const { return walls_.size(); }
   /// Walls that may lie within `margin_m` of a box with corners p and q.
   std::vector<std::size_t> near(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m) const { return index_.near(p, q, margin_m); }
+  /// The same, visited in no order, some more than once.
+  template <class Visit>
+  void each_near(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m, Visit visit) const {
+    index_.each_near(p, q, margin_m, visit);
+  }
 
  private:
   using Ends = std::array<double, 4>;
