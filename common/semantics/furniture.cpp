@@ -190,7 +190,7 @@ FurnitureMap::Numbers FurnitureMap::group_of(std::size_t first, PlanBox& box) co
   return group;
 }
 
-/// Long and no thicker than a wall.
+/// Long and no thicker than a wall, or of which only one face was seen.
 bool FurnitureMap::is_piece_of_wall(const Numbers& group) const {
   const auto longest = *std::max_element(group.begin(), group.end(), [&](std::size_t p, std::size_t q) { return walls_[p].length_m() < walls_[q].length_m(); });
   const Wall& face = walls_[longest];

@@ -59,7 +59,7 @@ TEST_CASE("furniture after walls came, went and changed places is what all of it
 }
 
 TEST_CASE("the other face of a thick wall tells a face between a cupboard and a door from a thing that stands alone") {
-  std::vector<Wall> walls = {wall(0, 0, 20, 0), wall(20, 0, 20, 9), wall(5, 6, 8, 6)};
+  std::vector<Wall> walls = {wall(0, 0, 20, 0), wall(20, 0, 20, 9), wall(5, 6, 6.1, 6)};
   REQUIRE(find_furniture(walls, nowhere_free)[2]);
   walls.push_back(wall(12, 5.5, 4, 5.5));
   REQUIRE_FALSE(find_furniture(walls, nowhere_free)[2]);
@@ -99,7 +99,7 @@ TEST_CASE("the next stretch of a wall that bends away is not behind it, as the w
 }
 
 TEST_CASE("two faces that nothing joins to others are a piece of wall when they are as near as a wall is thin, else a thing") {
-  const auto alone = [](double length_m, double thick_m) {
+  const auto alone = [](double length_m, double thick_m) -> bool {
     const std::vector<Wall> walls{wall(0, 0, length_m, 0), wall(length_m, -thick_m, 0, -thick_m), wall(-10, 10, 10, 10)};
     return find_furniture(walls, nowhere_free)[0];
   };
