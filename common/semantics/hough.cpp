@@ -14,6 +14,17 @@ struct Line {
   double sigma_m;
 };
 
+/// The unit vector at half the angle of (x, y), whose length is `length`; to the right or up. Without trigonometry: many lines are fitted.
+Eigen::Vector2d half_way(double x, double y, double length) {
+  if (length <= 0) return {1, 0};
+  if (x >= 0) {
+    const double cosine = std::sqrt(0.5 * (1 + x / length));
+    return {cosine, 0.5 * y / length / cosine};
+  }
+  const double sine = std::copysign(std::sqrt(0.5 * (1 - x / length)), y);
+  return {0.5 * y / length / sine, sine};
+}
+
 Line fit(const std::vector<ScanPoint>& points, const std::vector<int>& members) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const int k : members) mean += points[static_cast<std::size_t>(k)].p;
@@ -25,14 +36,15 @@ Line fit(const std::vector<ScanPoint>& points, const std::vector<int>& members) 
     xy += d.x() * d.y();
     yy += d.y() * d.y();
   }
-  const double angle_rad = 0.5 * std::atan2(2 * xy, xx - yy);
-  const double across2 = std::max(0.0, 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy));
-  return {mean, {std::cos(angle_rad), std::sin(angle_rad)}, std::sqrt(across2 / static_cast<double>(members.size()))};
+  const double half = 0.5 * (xx - yy), spread = std::sqrt(half * half + xy * xy);
+  const double across2 = std::max(0.0, 0.5 * (xx + yy) - spread);
+  return {mean, half_way(half, xy, spread), std::sqrt(across2 / static_cast<double>(members.size()))};
 }
 
 /// Of the points still free, those near a line.
 std::vector<int> members_of(const std::vector<ScanPoint>& points, const std::vector<int>& free, const Eigen::Vector2d& normal, double distance_m, double thickness_m) {
   std::vector<int> members;
+  members.reserve(free.size());
   for (const int k : free)
     if (std::abs(normal.dot(points[static_cast<std::size_t>(k)].p) - distance_m) < thickness_m) members.push_back(k);
   return members;
@@ -48,6 +60,7 @@ std::vector<int> longest_run(const std::vector<ScanPoint>& points, const std::ve
   places.reserve(members.size());
   for (const int k : members) places.push_back({line.direction.dot(points[static_cast<std::size_t>(k)].p - line.centre), k});
   const auto before = [](const Place& p, const Place& q) { return p.along < q.along; };
+  if (places.front().along > places.back().along) std::reverse(places.begin(), places.end());  // most lie in order already, one way or the other
   if (!std::is_sorted(places.begin(), places.end(), before)) std::sort(places.begin(), places.end(), before);
   const auto breaks = [&](const Place& p, const Place& q) {
     const double apart = q.along - p.along;
