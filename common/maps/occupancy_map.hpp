@@ -12,14 +12,15 @@
 #include <utility>
 #include <vector>
 
+#include "common/maps/beam_counts.hpp"
 #include "common/scan/scan.hpp"
 
 namespace modslam {
 
 class OccupancyMap {
  public:
-  static constexpr int kTileCells = 64;
-  using TileIndex = std::pair<int, int>;  ///< x, y
+  static constexpr int kTileCells = BeamCounts::kTileCells;
+  using TileIndex = BeamCounts::TileIndex;  ///< x, y
 
   OccupancyMap(double resolution_m, double range_limit_m) : resolution_m_(resolution_m), range_limit_m_(range_limit_m) {}
 
@@ -38,27 +39,22 @@ class OccupancyMap {
   double resolution_m() const { return resolution_m_; }
 
  private:
-  struct Cell {
-    std::int32_t ended = 0, passed = 0;
+  /// Row by row, lowest y first. In two arrays: few cells have beams that end in them.
+  struct Tile {
+    std::array<std::int32_t, kTileCells * kTileCells> passed{}, ended{};
   };
-  using Tile = std::array<Cell, kTileCells * kTileCells>;
   void draw(const Scan& scan, const SensorInfo& sensor, const Pose2& T_map_base, int sign);
   void aim(const Scan& scan);
-  void draw_beam(const Eigen::Vector2d& from, const Eigen::Vector2d& to, bool ends_there, int sign);
-  Cell& cell(int i, int j);
-  void forget_near() { near_.fill({}); }
+  void draw_hits(int sign);
+  Tile& tile_to_change(const TileIndex& index);
 
   double resolution_m_, range_limit_m_;
   std::map<TileIndex, Tile> tiles_;
   std::set<TileIndex> changed_;
   std::vector<Eigen::Vector2d> directions_;  ///< of the beams, laser frame
   double aimed_rad0_ = 0, aimed_radstep_ = 0;
-  static constexpr int kNear = 8;  ///< tiles of one scan are found by their last digits
-  struct Near {
-    TileIndex index{0, 0};
-    Tile* tile = nullptr;
-  };
-  std::array<Near, kNear * kNear> near_;
+  std::vector<BeamCounts::Beam> beams_;      ///< of the scan at hand
+  BeamCounts counts_;
 };
 
 }  // namespace modslam
