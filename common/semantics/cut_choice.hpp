@@ -9,6 +9,13 @@
 
 namespace modslam {
 
+/// An opening that was cut, and the regions on its two sides (left and right of a -> b; 0: none).
+struct CutOpening {
+  Opening opening;
+  int left = 0, right = 0;
+  bool parts() const { return left != 0 && right != 0 && left != right; }
+};
+
 /// Keeps the choice in step with the openings: looked at again is what came, and what lies near a choice that changed. The result is the one of a fresh look.
 class CutChoice {
  public:

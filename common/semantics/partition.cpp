@@ -9,7 +9,6 @@
 
 #include "common/semantics/region_clusters.hpp"
 
-
 namespace modslam {
 namespace {
 
@@ -17,41 +16,28 @@ using Vec = Eigen::Vector2d;
 
 constexpr double kLookFrom_m = 0.08, kLookTo_m = 0.6;  // beside a cut, for the region there
 constexpr double kOnWall_m = 0.2;
-constexpr double kSlotDepth_m = 2.5, kMostSlotDepth_m = 6.5, kSlotMouth = 0.8;
-constexpr double kCarFrom_m = 1.2, kCarTo_m = 2.6;
 constexpr double kAroundCut_m = 0.4;                    // a doorway reaches this far
-constexpr double kSameWay = 0.7;                       // |cos| between the mouth of a slot and its short sides
 
-/// Sets of regions that became one.
+/// Sets of regions that became one, with their area.
 class Regions {
  public:
-  explicit Regions(int count) : parent_(static_cast<std::size_t>(count)) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit Regions(std::vector<double> area_m2) : parent_(area_m2.size()), area_m2_(std::move(area_m2)) { std::iota(parent_.begin(), parent_.end(), 0); }
   int root(int k) const {
     while (parent_[static_cast<std::size_t>(k)] != k) k = parent_[static_cast<std::size_t>(k)];
     return k;
   }
-  void join(int p, int q) { parent_[static_cast<std::size_t>(root(p))] = root(q); }
+  double area_m2(int k) const { return area_m2_[static_cast<std::size_t>(root(k))]; }
+  void join(int p, int q) {
+    const int goes = root(p), stays = root(q);
+    if (goes == stays) return;
+    parent_[static_cast<std::size_t>(goes)] = stays;
+    area_m2_[static_cast<std::size_t>(stays)] += area_m2_[static_cast<std::size_t>(goes)];
+  }
 
  private:
   std::vector<int> parent_;
+  std::vector<double> area_m2_;
 };
-
-/// As wide all the way as its mouth, and deep.
-bool is_slot(double width_m, double depth_m, const Vec& across, const Opening& mouth) {
-  const Vec u = (mouth.b - mouth.a).normalized();
-  return depth_m > kSlotDepth_m && depth_m < kMostSlotDepth_m && depth_m > 1.5 * width_m && std::abs(u.dot(across)) > kSameWay &&
-         mouth.width_m() > kSlotMouth * width_m;
-}
-
-/// Thickness of what stands beside a slot, half way in, along `across`. 0: more than a car's width.
-double beside_m(const Vec& centre, const Vec& across, double width, const Floor& floor) {
-  for (double s = 0.5 * width + 1; s < 0.5 * width + kCarTo_m / floor.resolution_m + 2; s += 0.5) {
-    const Vec p = centre + s * across;
-    const cv::Point c(cvRound(p.x()), cvRound(p.y()));
-    if (c.x >= 0 && c.y >= 0 && c.x < floor.open.cols && c.y < floor.open.rows && floor.open(c)) return (s - 0.5 * width) * floor.resolution_m;
-  }
-  return 0;
-}
 
 /// Regions on the two sides of a cut.
 template <class RegionAt>
@@ -66,31 +52,27 @@ int region_beside(RegionAt region_at, const KnownSpace& space, const Opening& cu
   return 0;
 }
 
-void join_small_regions(const std::vector<CutOpening>& cuts, std::vector<double> area_m2, double min_room_m2, Regions& regions) {
+void join_small_regions(const std::vector<CutOpening>& cuts, double min_room_m2, Regions& regions) {
   std::vector<const CutOpening*> ways;  // out of regions that are too small; no others become so
-  const auto is_small = [&](int region) { return area_m2[static_cast<std::size_t>(regions.root(region))] < min_room_m2; };
+  const auto is_small = [&](int region) { return regions.area_m2(region) < min_room_m2; };
   for (const CutOpening& cut : cuts)
     if (cut.left && cut.right && (is_small(cut.left) || is_small(cut.right))) ways.push_back(&cut);
   for (;;) {
     // The smallest region that has a neighbour goes first; each round makes one region fewer.
     int smallest = 0;
     const CutOpening* way = nullptr;
-    for (const CutOpening* one : ways) {
-      const CutOpening& cut = *one;
-      const int left = regions.root(cut.left), right = regions.root(cut.right);
+    for (const CutOpening* cut : ways) {
+      const int left = regions.root(cut->left), right = regions.root(cut->right);
       if (left == right) continue;
       for (const int side : {left, right}) {
-        const double area = area_m2[static_cast<std::size_t>(side)];
-        if (area >= min_room_m2) continue;
-        const bool better = !way || area < area_m2[static_cast<std::size_t>(smallest)] ||
-                            (side == smallest && cut.opening.probability < way->opening.probability);
-        if (better) smallest = side, way = &cut;
+        if (!is_small(side)) continue;
+        const bool better = !way || regions.area_m2(side) < regions.area_m2(smallest) ||
+                            (side == smallest && cut->opening.probability < way->opening.probability);
+        if (better) smallest = side, way = cut;
       }
     }
     if (!way) return;
-    const double sum = area_m2[static_cast<std::size_t>(regions.root(way->left))] + area_m2[static_cast<std::size_t>(regions.root(way->right))];
     regions.join(way->left, way->right);
-    area_m2[static_cast<std::size_t>(regions.root(way->left))] = sum;
   }
 }
 
@@ -135,7 +117,7 @@ void FloorParter::find_clusters(std::vector<CutOpening>& cuts) {
   const double even = log_odds(options_.cuts.min_probability);
   std::vector<PieceBond> bonds;
   for (const CutOpening& cut : cuts)
-    if (cut.left && cut.right && cut.left != cut.right) bonds.push_back({cut.left, cut.right, even - log_odds(cut.opening.probability)});
+    if (cut.parts()) bonds.push_back({cut.left, cut.right, even - log_odds(cut.opening.probability)});
   const std::vector<Region>& pieces = tiles_.regions();
   const std::vector<int> roots = cluster_pieces(static_cast<int>(pieces.size()) + 1, bonds);
   std::vector<int> cluster_of_root(roots.size(), 0);
@@ -180,34 +162,27 @@ double FloorParter::walled_share(int cluster, const Floor& floor, const KnownSpa
   return rim ? static_cast<double>(walled) / rim : 0.0;
 }
 
-FloorParter::Niche FloorParter::niche_of(int cluster) const {
-  std::vector<cv::Point> rim = rim_cells(mask_of(cluster));
-  for (cv::Point& c : rim) c += clusters_[static_cast<std::size_t>(cluster - 1)].box.tl();
-  const cv::RotatedRect box = cv::minAreaRect(rim);
-  const bool first_is_short = box.size.width < box.size.height;
-  const double angle = box.angle * CV_PI / 180 + (first_is_short ? 0 : CV_PI / 2);
-  return {Vec(box.center.x, box.center.y), Vec(std::cos(angle), std::sin(angle)), std::min(box.size.width, box.size.height) + 1.0,
-          std::max(box.size.width, box.size.height) + 1.0};
+/// Of the clusters; those that have too little wall around them are smaller than a room. At 0 stands none.
+std::vector<double> FloorParter::areas_m2(const Floor& floor, const KnownSpace& space, const WallSet& walls) {
+  std::vector<double> out{0};
+  for (std::size_t k = 0; k < clusters_.size(); ++k) {
+    out.push_back(clusters_[k].cells * floor.resolution_m * floor.resolution_m);
+    if (walls.size() == 0 || out.back() >= options_.small_m2) continue;
+    const auto share = [&] { return walled_share(static_cast<int>(k) + 1, floor, space, walls); };
+    if (walled_.ask(cluster_numbers_[k + 1], grown(clusters_[k].box, 12), share) < options_.min_walled) out.back() = std::min(out.back(), 0.5 * options_.min_room_m2);
+  }
+  return out;
 }
 
-/// Gaps between parked cars: dead ends as wide as their mouths with a car's width of closed space beside them. They are no rooms.
-std::set<int> FloorParter::find_slots(const std::vector<CutOpening>& cuts, const Floor& floor) {
-  const double cell_m = floor.resolution_m;
-  std::vector<int> ways(clusters_.size() + 1, 0);
-  std::vector<const CutOpening*> mouths(ways.size(), nullptr);
+/// Slots between cars join what they lead to, small regions a neighbour. @return for each cluster the one that stands for its region.
+std::vector<int> FloorParter::join_clusters(const std::vector<CutOpening>& cuts, const std::set<int>& slots, std::vector<double> area_m2) const {
+  Regions regions(std::move(area_m2));
   for (const CutOpening& cut : cuts)
-    if (cut.left && cut.right && cut.left != cut.right)
-      for (const int side : {cut.left, cut.right}) ++ways[static_cast<std::size_t>(side)], mouths[static_cast<std::size_t>(side)] = &cut;
-  std::set<int> slots;
-  for (int number = 1; number < static_cast<int>(ways.size()); ++number) {
-    const Region& region = clusters_[static_cast<std::size_t>(number - 1)];
-    if (ways[static_cast<std::size_t>(number)] != 1 || region.cells * cell_m * cell_m >= kMostSlotDepth_m * kMostSlotDepth_m / 1.5) continue;
-    const Niche& niche = niches_.ask(cluster_numbers_[static_cast<std::size_t>(number)], region.box, [&] { return niche_of(number); });
-    if (!is_slot(niche.width * cell_m, niche.depth * cell_m, niche.across, mouths[static_cast<std::size_t>(number)]->opening)) continue;
-    const bool beside_car = beside_m(niche.centre, niche.across, niche.width, floor) >= kCarFrom_m || beside_m(niche.centre, -niche.across, niche.width, floor) >= kCarFrom_m;
-    if (beside_car) slots.insert(number);
-  }
-  return slots;
+    if (cut.parts() && (slots.count(cut.left) || slots.count(cut.right))) regions.join(cut.left, cut.right);
+  join_small_regions(cuts, options_.min_room_m2, regions);
+  std::vector<int> roots(clusters_.size() + 1);
+  for (std::size_t k = 0; k < roots.size(); ++k) roots[k] = regions.root(static_cast<int>(k));
+  return roots;
 }
 
 /// A region that consists of the same pieces of the same tiles as before keeps its number. @return the number of each cluster.
@@ -302,26 +277,9 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
   Boxes around = parted;
   for (const Boxes* more : {&open, &walls_changed}) around.insert(around.end(), more->begin(), more->end());
   walled_.forget(around);
-  niches_.forget(parted);
-
-  Regions regions(static_cast<int>(clusters_.size()) + 1);
-  std::vector<double> area_m2{0};
-  for (std::size_t k = 0; k < clusters_.size(); ++k) {
-    area_m2.push_back(clusters_[k].cells * floor.resolution_m * floor.resolution_m);
-    if (walls.size() == 0 || area_m2.back() >= options_.small_m2) continue;
-    const auto share = [&] { return walled_share(static_cast<int>(k) + 1, floor, space, walls); };
-    if (walled_.ask(cluster_numbers_[k + 1], grown(clusters_[k].box, 12), share) < options_.min_walled) area_m2.back() = std::min(area_m2.back(), 0.5 * options_.min_room_m2);
-  }
-  const std::set<int> slots = find_slots(cuts, floor);
-  for (const CutOpening& cut : cuts)
-    if ((slots.count(cut.left) || slots.count(cut.right)) && cut.left && cut.right && regions.root(cut.left) != regions.root(cut.right)) {
-      const double sum = area_m2[static_cast<std::size_t>(regions.root(cut.left))] + area_m2[static_cast<std::size_t>(regions.root(cut.right))];
-      regions.join(cut.left, cut.right);
-      area_m2[static_cast<std::size_t>(regions.root(cut.left))] = sum;
-    }
-  join_small_regions(cuts, area_m2, options_.min_room_m2, regions);
-  std::vector<int> roots(clusters_.size() + 1);
-  for (std::size_t k = 0; k < roots.size(); ++k) roots[k] = regions.root(static_cast<int>(k));
+  slots_.forget(parted);
+  const std::set<int> slots = slots_.find(cuts, clusters_, cluster_numbers_, floor, [&](int cluster) { return mask_of(cluster); });
+  const std::vector<int> roots = join_clusters(cuts, slots, areas_m2(floor, space, walls));
   const std::vector<int> number_of = number_regions(roots, slots, cuts);
 
   partition_.cuts.clear();
@@ -329,8 +287,8 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
     cut.left = number_of[static_cast<std::size_t>(cut.left)];
     cut.right = number_of[static_cast<std::size_t>(cut.right)];
     if (!cut.left || !cut.right) continue;
-    if (cut.left != cut.right) partition_.cuts.push_back(cut);
-    (cut.left == cut.right ? healed : kept).push_back({cut.opening.a, cut.opening.b, cut.left == cut.right ? cut.left : 0});
+    if (cut.parts()) partition_.cuts.push_back(cut);
+    (cut.parts() ? kept : healed).push_back({cut.opening.a, cut.opening.b, cut.parts() ? 0 : cut.left});
   }
   Boxes changed = paint(floor, space, std::move(healed));
   std::sort(kept.begin(), kept.end());
@@ -342,7 +300,7 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
 
 void FloorParter::grow(const Growth& growth) {
   walled_.grow(growth, [](double) {});
-  niches_.grow(growth, [&](Niche& niche) { niche.centre += Vec(growth.shift.x, growth.shift.y); });
+  slots_.grow(growth);
   painted_ = tiles_.regrown(std::move(painted_), growth);
   painted_stamp_ = tiles_.regrown(std::move(painted_stamp_), growth);
   tiles_.grow(growth);

@@ -7,15 +7,10 @@
 
 #include "common/semantics/cut_choice.hpp"
 #include "common/semantics/memo.hpp"
+#include "common/semantics/parking_slots.hpp"
 #include "common/semantics/tiled_regions.hpp"
 
 namespace modslam {
-
-/// An opening that was cut, and the regions on its two sides (left and right of a -> b; 0: none).
-struct CutOpening {
-  Opening opening;
-  int left = 0, right = 0;
-};
 
 /// A region of the floor after small ones joined their neighbours.
 struct FloorRegion {
@@ -56,11 +51,6 @@ class FloorParter {
   void grow(const Growth& growth);
 
  private:
-  struct Niche {
-    Eigen::Vector2d centre, across;  ///< of a dead end as a box; across: along its short sides
-    double width, depth;             ///< [cells]
-  };
-
   /// What is drawn of a cut: its line, and the region that it heals.
   struct CutLine {
     Eigen::Vector2d a, b;
@@ -75,8 +65,8 @@ class FloorParter {
   void find_clusters(std::vector<CutOpening>& cuts);
   cv::Mat1b mask_of(int cluster) const;
   double walled_share(int cluster, const Floor& floor, const KnownSpace& space, const WallSet& walls) const;
-  Niche niche_of(int cluster) const;
-  std::set<int> find_slots(const std::vector<CutOpening>& cuts, const Floor& floor);
+  std::vector<double> areas_m2(const Floor& floor, const KnownSpace& space, const WallSet& walls);
+  std::vector<int> join_clusters(const std::vector<CutOpening>& cuts, const std::set<int>& slots, std::vector<double> area_m2) const;
   std::vector<int> number_regions(const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts);
   Boxes paint(const Floor& floor, const KnownSpace& space, std::vector<CutLine> healed);
 
@@ -90,7 +80,7 @@ class FloorParter {
   std::vector<Region> clusters_;                ///< cluster k stands at k - 1
   std::vector<int> cluster_numbers_;            ///< at k: stays as long as the cluster stays the same
   Memo<int, double> walled_;                    ///< by number of the cluster
-  Memo<int, Niche> niches_;
+  ParkingSlots slots_;
   std::vector<int> number_of_;                  ///< final number of each region of tiles_
   std::vector<std::vector<int>> painted_;       ///< numbers in each tile, as painted
   std::vector<int> painted_stamp_;
