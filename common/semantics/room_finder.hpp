@@ -10,30 +10,9 @@
 #include <vector>
 
 #include "common/semantics/partition.hpp"
-#include "common/semantics/types.hpp"
+#include "common/semantics/room_patch.hpp"
 
 namespace modslam {
-
-struct RoomOptions {
-  double min_area_m2 = 1.5;
-  double min_enclosed = 0.6;   ///< share of the outline that must lie on walls or openings
-  double glimpse_enclosed = 0.72;  ///< the same for small regions with one way in
-  double glimpse_m2 = 12;              ///< larger ones are not small
-  double min_explored = 0.5;
-};
-
-/// What one room is worked out from: the part of the rasters around its region.
-struct RoomPatch {
-  cv::Mat1b mask;      ///< the region
-  cv::Mat1b foreign;   ///< other regions
-  cv::Mat1b barrier;   ///< hits and openings, fattened
-  cv::Mat1b doorways;  ///< openings and what lies near them
-  cv::Mat1b seen;
-  cv::Mat1b matters;   ///< bits: where the answer read barrier, foreign and seen
-  KnownSpace space;    ///< shares its pictures
-  bool parking;        ///< cars stand in it
-  bool glimpse;        ///< small, with one way in
-};
 
 /// Keeps the rooms of a floor in step with it.
 class RoomMap {
