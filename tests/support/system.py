@@ -8,6 +8,7 @@ import contextlib
 import json
 import os
 import pathlib
+import shutil
 import signal
 import socket
 import struct
@@ -64,7 +65,20 @@ def main():
                 failed = True
                 traceback.print_exc(file=sys.stdout)
                 print("FAIL", sentence, flush=True)
+        if failed:
+            keep_products()
     sys.exit(1 if failed else 0)
+
+
+def keep_products():
+    """What a failed script made (logs of its runs, graphs, what processes said), for whoever looks for the cause; until it fails again."""
+    kept = HOUSE / "logs" / "failed" / pathlib.Path(sys.argv[0]).stem
+    shutil.rmtree(kept, ignore_errors=True)
+    try:
+        shutil.copytree(FOLDER, kept, ignore=lambda folder, names: [n for n in names if not (pathlib.Path(folder, n).is_dir() or pathlib.Path(folder, n).is_file())])
+        print(f"its files are kept in {kept}", flush=True)
+    except (OSError, shutil.Error) as error:
+        print(f"its files could not be kept: {error}", flush=True)
 
 
 # --- run.sh ---
