@@ -34,12 +34,17 @@ void LossMeter::take_statuses(const process_status_t& status, Bus& bus) {
 
 std::vector<std::string> LossMeter::take(const process_status_t& status, Bus& bus) {
   take_statuses(status, bus);
+  const Sender& speaker = statuses_[status.name];
+  const bool was_heard = speaker.pid == status.pid && speaker.received > 0;
   std::vector<std::string> more;
   for (const channel_count_t& out : status.outputs) {
     if (has_many_speakers(out.channel) || !bus.hears(out.channel)) continue;
     const auto in = bus.inputs().find(out.channel);
     const std::int64_t received = in == bus.inputs().end() ? 0 : in->second.received;
+    // Who spoke before he said anything here had said nothing then: the STATUS that told of his first messages may be lost as they are.
+    const bool from_its_beginning = !by_channel_.count(out.channel) && was_heard;
     Sender& sender = by_channel_[out.channel];
+    if (from_its_beginning) sender.pid = status.pid;
     if (sender.pid != status.pid || out.received < sender.sent) {
       sender = {status.pid, out.received, received, 0, sender.lost_before + sender.lost, 0};
       continue;

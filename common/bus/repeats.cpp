@@ -113,6 +113,7 @@ bool StreamRepair::has_seen(const Stream& stream, std::int64_t place) {
 bool StreamRepair::take(const std::string& channel, const void* bytes, int size) {
   if (!is_repeated(channel)) return false;
   Stream& stream = streams_[channel];
+  stream.mute = false;
   const std::int64_t place = place_of(channel, bytes, size);
   const std::size_t hash = hash_of(bytes, size);
   if (stream.kept && is_known(channel, stream, place, hash)) return true;
@@ -153,7 +154,7 @@ bool StreamRepair::awaits(const std::string& channel) const {
 
 void StreamRepair::suspect(const std::string& channel) {
   const auto found = streams_.find(channel);
-  if (found == streams_.end() || !found->second.kept || found->second.tail) return;
+  if (found == streams_.end() || !found->second.kept || found->second.mute || found->second.tail) return;
   found->second.tail = true;
   found->second.tail_us = now_us_;
   ask(channel, found->second, kStillToCome);
@@ -165,6 +166,7 @@ void StreamRepair::take(const process_status_t& status) {
     Stream& stream = streams_[out.channel];
     const bool news = !stream.kept;
     stream.kept = true;
+    stream.mute = false;
     if (news && out.channel == channel::kSensorInfo && stream.last < 0) suspect(out.channel);
   }
 }
@@ -260,7 +262,7 @@ void StreamRepair::tick(std::int64_t now_us) {
   for (auto& [channel, stream] : streams_) {
     if (stream.tail && now_us - stream.tail_us > kPatience_us) {
       stream.tail = false;
-      stream.kept = !stream.held.empty();  // until its speaker is heard again
+      stream.mute = true;  // it still keeps copies: after a cut cable its next message shows a gap
     }
     if (stream.held.empty()) {
       if (stream.tail && now_us - stream.asked_us > kAskAgain_us) ask(channel, stream, kStillToCome);

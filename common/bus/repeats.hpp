@@ -58,7 +58,8 @@ class StreamRepair : public Bus::Gate {
   /// Who speaks on which channel: only of a process of ours copies can be asked for.
   void take(const process_status_t& status);
   void take(const repeat_t& repeat);
-  /// Asks again, and gives up after a second. @param now_us of a steady clock
+  /// Asks again, and gives up after a second: then what is missing is lost, and of a speaker that says nothing the newest is not asked for
+  /// again before it is heard. What it said in such a silence is asked for as soon as it is heard. @param now_us of a steady clock
   void tick(std::int64_t now_us);
   /// Nothing is held back.
   bool idle() const;
@@ -73,6 +74,7 @@ class StreamRepair : public Bus::Gate {
   };
   struct Stream {
     bool kept = false;                ///< its speaker keeps copies
+    bool mute = false;                ///< it left a question about its newest without an answer, and was not heard since
     std::int64_t last = -1;           ///< place of the last one that was passed on
     std::deque<std::int64_t> steps;   ///< between the last ones
     int as_they_come = 0;             ///< of so many of the next nothing is held back

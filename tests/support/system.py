@@ -8,6 +8,7 @@ import contextlib
 import json
 import os
 import pathlib
+import shutil
 import signal
 import socket
 import struct
@@ -24,6 +25,7 @@ BIN = BUILD / "bin"
 RESULTS = ["graph.g2o", "map.png", "map.yaml", "path.tum", "path_laser.tum", "report.html", "run.lcm", "semantic.geojson",
            "summary.json"]
 TESTS = []
+LARGEST_KEPT = 100 << 20  # bytes of a file of a script that failed
 FOLDER = None  # of this script's files; main() makes it
 
 
@@ -64,7 +66,24 @@ def main():
                 failed = True
                 traceback.print_exc(file=sys.stdout)
                 print("FAIL", sentence, flush=True)
+        if failed:
+            keep_products()
     sys.exit(1 if failed else 0)
+
+
+def keep_products():
+    """What a failed script made (logs of its runs, graphs, what processes said), for whoever looks for the cause; until it fails again."""
+    kept = HOUSE / "logs" / "failed" / pathlib.Path(sys.argv[0]).stem
+    shutil.rmtree(kept, ignore_errors=True)
+    def left_out(folder, names):
+        paths = [pathlib.Path(folder, name) for name in names]
+        return [path.name for path in paths if not path.is_dir() and not (path.is_file() and path.stat().st_size <= LARGEST_KEPT)]
+
+    try:
+        shutil.copytree(FOLDER, kept, ignore=left_out)
+        print(f"its files are kept in {kept}", flush=True)
+    except (OSError, shutil.Error) as error:
+        print(f"its files could not be kept: {error}", flush=True)
 
 
 # --- run.sh ---

@@ -17,6 +17,7 @@ SOL_PACKET, PACKET_STATISTICS, PACKET_IGNORE_OUTGOING = 263, 6, 23
 LARGEST = 66000
 AT_ONCE = 50  # packets of one wire before another's turn
 IP_AT, UDP = 14, 17
+HEAD_OF_STATUS = 120  # bytes of a packet: the heads of Ethernet, IP, UDP and LCM, time and name
 
 
 class Wire:
@@ -31,6 +32,13 @@ class Wire:
         self.random = random.Random(seed)
         self.loss = self.doubled = self.reordered = self.delay_s = self.jitter_s = 0.0
         self.sent, self.dropped = collections.Counter(), collections.Counter()  # by channel
+        self.cut_behind, self.cut = b"", threading.Event()
+
+    def cut_after_word_of(self, process, patience_s=10):
+        """Loses everything from behind the next STATUS of that process on, which arrives. @return whether it spoke in time."""
+        self.cut.clear()
+        self.cut_behind = b"\0" + bytes([len(process) + 1]) + process.encode() + b"\0"  # LCM's string, at the head of a STATUS
+        return self.cut.wait(patience_s)
 
     def overrun(self):
         """@return how many packets the kernel dropped since the last call because this process was too slow."""
@@ -42,6 +50,10 @@ class Wire:
             return [0.0]
         name = channel(frame)
         self.sent[name] += 1
+        if self.cut_behind and name == "STATUS" and self.cut_behind in frame[:HEAD_OF_STATUS]:
+            self.cut_behind, self.loss = b"", 1.0
+            self.cut.set()
+            return [self.delay_s]
         if self.random.random() < self.loss:
             self.dropped[name] += 1
             return []

@@ -86,3 +86,12 @@ TEST_CASE("channels that nobody here listens to, or that many speak on, are not 
   }
   REQUIRE(listener.bus.inputs().count("ELSEWHERE") == 0);
 }
+
+TEST_CASE("of a sender that was heard before it said anything on a channel, the first messages count as lost although the STATUS that told of them was") {
+  Listener listener;
+  for (std::int64_t k = 1; k <= 3; ++k) listener.meter.take(sender(1, k, "STATUS"), listener.bus);
+  listener.hear(8);  // of ten; what he said of them is lost too
+  listener.hear(19);
+  REQUIRE(listener.meter.take(sender(1, 30), listener.bus) == std::vector<std::string>{"LASER"});
+  REQUIRE(listener.lost() == 3);
+}

@@ -126,6 +126,36 @@ TEST_CASE("what waits behind a gap is not overtaken when a question about the ne
   REQUIRE(pair.heard.back() == 31);
 }
 
+TEST_CASE("a second without any answer to a question about the newest does not end the repair: all that was said in it is asked for") {
+  Pair pair;
+  for (std::int64_t k = 1; k <= 10; ++k) pair.say(k), pair.answer();
+  pair.say(11, false);
+  pair.repair.suspect("ODOMETRY");  // a STATUS told of one more; then the cable is cut
+  for (std::int64_t k = 12; k <= 33; ++k) pair.say(k, false), pair.wait(kStep_us);
+  pair.asked.clear();
+  REQUIRE_FALSE(pair.bus.awaits("ODOMETRY"));
+  pair.say(34);
+  for (int k = 0; k < 5; ++k) pair.answer(), pair.wait(20'000);
+  REQUIRE(pair.heard == up_to(34));
+  REQUIRE(pair.bus.inputs().at("ODOMETRY").gaps == 0);
+}
+
+TEST_CASE("a speaker that does not answer is asked about its newest once, and again when it was heard") {
+  Pair pair;
+  for (std::int64_t k = 1; k <= 10; ++k) pair.say(k), pair.answer();
+  pair.repair.suspect("ODOMETRY");
+  pair.wait(1'100'000);
+  pair.asked.clear();
+  pair.repair.suspect("ODOMETRY");  // nobody is made to wait for the dead again and again
+  REQUIRE_FALSE(pair.bus.awaits("ODOMETRY"));
+  REQUIRE(pair.asked.empty());
+  pair.say(11), pair.say(12, false);
+  pair.repair.suspect("ODOMETRY");
+  REQUIRE(pair.bus.awaits("ODOMETRY"));
+  pair.answer();
+  REQUIRE(pair.heard == up_to(12));
+}
+
 TEST_CASE("answers that get lost too are asked for again, also after a second without any") {
   Pair pair;
   for (std::int64_t k = 1; k <= 200; ++k) {
