@@ -16,10 +16,10 @@ void PlaceMapper::clear() {
   seen_.clear();
 }
 
-std::vector<Place> PlaceMapper::places() const {
+std::vector<Place> PlaceMapper::places(const std::vector<PlaceOnMap>& on_map) const {
   std::vector<Place> out;
   if (!model_) return out;
-  for (const PlaceConfidence& p : smooth_places(seen_, model_->transitions())) {
+  for (const PlaceConfidence& p : smooth_places(seen_, model_->transitions(), told_by_map(seen_, on_map, *model_))) {
     const auto best = std::max_element(p.begin(), p.end());
     Place place;
     place.node = static_cast<std::int64_t>(out.size());

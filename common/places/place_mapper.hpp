@@ -16,7 +16,8 @@ class PlaceMapper {
   /// Ids must come in order: 0, 1, 2, ... T_map_base: where it was when it was new.
   void add_node(const Scan& scan, const SensorInfo& sensor, const Pose2& T_map_base);
   /// Kind and confidence of each node, smoothed over the path; p is left to who knows the poses.
-  std::vector<Place> places() const;
+  /// @param on_map  what the semantic map says of each node; of those beyond its end it says nothing.
+  std::vector<Place> places(const std::vector<PlaceOnMap>& on_map) const;
   void clear();
 
  private:

@@ -42,6 +42,40 @@ PlaceTransitions count_transitions(const std::vector<PlacePath>& paths) {
   return transitions;
 }
 
+/// How often each hint is given at places of each kind.
+std::array<PlaceConfidence, kPlaceHints> count_hints(const std::vector<PlacePath>& paths) {
+  std::array<PlaceConfidence, kPlaceHints> hints;
+  for (PlaceConfidence& row : hints) row.fill(1);
+  PlaceConfidence all;
+  all.fill(kPlaceHints);
+  for (const PlacePath& path : paths)
+    for (const PlaceSample& sample : path) {
+      const auto kind = static_cast<std::size_t>(sample.kind);
+      ++hints[static_cast<std::size_t>(sample.on_map.hint)][kind];
+      ++all[kind];
+    }
+  for (PlaceConfidence& row : hints)
+    for (std::size_t kind = 0; kind < kPlaceKinds; ++kind) row[kind] /= all[kind];
+  return hints;
+}
+
+void write_rows(cv::FileStorage& file, const char* name, const PlaceConfidence* rows, std::size_t count) {
+  file << name << "[";
+  for (std::size_t k = 0; k < count; ++k)
+    for (const double p : rows[k]) file << p;
+  file << "]";
+}
+
+void read_rows(const cv::FileStorage& file, const char* name, PlaceConfidence* rows, std::size_t count) {
+  const cv::FileNode numbers = file[name];
+  if (numbers.size() != count * kPlaceKinds) throw std::runtime_error(std::string("has no ") + name);
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    const double p = static_cast<double>(numbers[static_cast<int>(k)]);
+    if (!(p > 0 && p < 1)) throw std::runtime_error(std::string("has a number among its ") + name + " that is no probability");
+    rows[k / kPlaceKinds][k % kPlaceKinds] = p;
+  }
+}
+
 }  // namespace
 
 const char* place_name(PlaceKind kind) {
@@ -74,16 +108,15 @@ PlaceModel PlaceModel::train(const std::vector<PlacePath>& paths) {
   PlaceModel model;
   model.boosts_ = boosts;
   model.transitions_ = count_transitions(paths);
+  model.hints_ = count_hints(paths);
   return model;
 }
 
 std::string PlaceModel::text() const {
   cv::FileStorage file("places.yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
-  file << "features" << static_cast<int>(feature_count()) << "transitions"
-       << "[";
-  for (const PlaceConfidence& row : transitions_)
-    for (const double p : row) file << p;
-  file << "]";
+  file << "features" << static_cast<int>(feature_count());
+  write_rows(file, "transitions", transitions_.data(), transitions_.size());
+  write_rows(file, "hints", hints_.data(), hints_.size());
   for (const PlaceKind kind : kKinds) {
     file << place_name(kind) << "{";
     boosts_->of_kind[static_cast<std::size_t>(kind)]->write(file);
@@ -98,13 +131,8 @@ PlaceModel PlaceModel::parse(const std::string& text) {
   try {
     const cv::FileStorage file(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
     if (static_cast<int>(file["features"]) != static_cast<int>(feature_count())) throw std::runtime_error("made for other features");
-    const cv::FileNode transitions = file["transitions"];
-    if (transitions.size() != kPlaceKinds * kPlaceKinds) throw std::runtime_error("has no transitions");
-    for (std::size_t k = 0; k < transitions.size(); ++k) {
-      const double p = static_cast<double>(transitions[static_cast<int>(k)]);
-      if (!(p > 0 && p < 1)) throw std::runtime_error("has a transition that is no probability");
-      model.transitions_[k / kPlaceKinds][k % kPlaceKinds] = p;
-    }
+    read_rows(file, "transitions", model.transitions_.data(), model.transitions_.size());
+    read_rows(file, "hints", model.hints_.data(), model.hints_.size());
     for (const PlaceKind kind : kKinds) {
       const cv::Ptr<cv::ml::Boost> boost = cv::ml::Boost::create();
       boost->read(file[place_name(kind)]);

@@ -17,6 +17,7 @@ using PlaceTransitions = std::array<PlaceConfidence, kPlaceKinds>;
 struct PlaceSample {
   std::vector<float> features;
   PlaceKind kind = PlaceKind::kRoom;
+  PlaceOnMap on_map;        ///< after the whole path
 };
 using PlacePath = std::vector<PlaceSample>;
 
@@ -31,12 +32,15 @@ class PlaceModel {
   /// How sure each kind is; equal shares where hardly anything was seen.
   PlaceConfidence confidence(const Panorama& panorama) const;
   PlaceConfidence confidence(const std::vector<float>& features) const;
+  /// How likely the map says that of places of each kind.
+  const PlaceConfidence& likelihood(PlaceHint hint) const { return hints_[static_cast<std::size_t>(hint)]; }
   const PlaceTransitions& transitions() const { return transitions_; }
 
  private:
   struct Boosts;
   std::shared_ptr<const Boosts> boosts_;
   PlaceTransitions transitions_{};
+  std::array<PlaceConfidence, kPlaceHints> hints_{};  ///< probability[hint][kind]: of the hint at a place of that kind
 };
 
 }  // namespace modslam

@@ -5,7 +5,9 @@
 
 #include "common/places/panorama.hpp"
 #include "common/places/scan_features.hpp"
+#include "common/semantics/place_hints.hpp"
 #include "common/semantics/room_finder.hpp"
+#include "common/semantics/semantic_mapper.hpp"
 #include "common/world/random.hpp"
 #include "common/world/world_simulation.hpp"
 
@@ -90,7 +92,9 @@ PlacePath drive(const World& world, const Route& tour, const DriveOptions& optio
   const SensorInfo sensor = simulated_sensor(options.laser);
   WorldSimulation simulation(world, tour, false);
   PanoramaMaker panorama;
+  SemanticMapper mapper{SemanticsConfig()};
   PlacePath path;
+  std::vector<Eigen::Vector2d> places;
   Pose2 last;
   for (std::uint64_t number = 0; !simulation.state().finished; simulation.advance()) {
     const Pose2 now = simulation.state().T_world_base;
@@ -98,9 +102,16 @@ PlacePath drive(const World& world, const Route& tour, const DriveOptions& optio
     last = now;
     const Pose2 scaled(options.scale * now.x, options.scale * now.y, now.heading);
     PlaceSample sample;
-    sample.features = place_features(panorama.add(sweep(obstacles, options, now, number++), sensor, scaled));
-    if (place_in(world, now.translation(), sample.kind)) path.push_back(std::move(sample));
+    const Scan scan = sweep(obstacles, options, now, number++);
+    mapper.add_node(scan, sensor, scaled);
+    sample.features = place_features(panorama.add(scan, sensor, scaled));
+    if (!place_in(world, now.translation(), sample.kind)) continue;
+    path.push_back(std::move(sample));
+    places.push_back(scaled.translation());
   }
+  const SemanticLayers& layers = mapper.update(true);
+  const PlaceHints map(layers);
+  for (std::size_t k = 0; k < path.size(); ++k) path[k].on_map = map.at(places[k]);
   return path;
 }
 

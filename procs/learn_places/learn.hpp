@@ -33,8 +33,8 @@ struct Confusion {
 
 struct BuildingScore {
   std::string name;
-  Confusion alone, smoothed;               ///< each node by itself, and with its path
-  std::map<std::string, Confusion> of_laser;  ///< smoothed
+  Confusion alone, smoothed, told;         ///< each node by itself, with its path, and with what the map says too
+  std::map<std::string, Confusion> of_laser;  ///< with all of it
 };
 
 /// A model from all buildings but `left_out`, and from made-up ones.

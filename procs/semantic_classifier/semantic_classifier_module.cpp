@@ -14,6 +14,7 @@
 #include "common/bus/topology_messages.hpp"
 #include "common/formats/file_bytes.hpp"
 #include "common/places/place_mapper.hpp"
+#include "common/semantics/place_hints.hpp"
 #include "common/semantics/semantic_mapper.hpp"
 
 namespace modslam {
@@ -85,7 +86,10 @@ class SemanticClassifierModule : public Module {
   void work(bool settled) {
     dirty_ = false;
     layers_ = mapper_.update(settled);
-    layers_.places = places_.places();
+    const PlaceHints map(layers_);
+    std::vector<PlaceOnMap> on_map;
+    for (const MirrorNode& node : mirror_.nodes()) on_map.push_back(map.at(node.T_map_base.translation()));
+    layers_.places = places_.places(on_map);
     topology_.reset();
     ++version_;
     publish();

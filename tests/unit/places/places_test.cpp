@@ -113,7 +113,7 @@ TEST_CASE("the shipped classifiers tell corridor, doorway and room apart along a
       mapper.add_node(look(plan, {x, 0, 0}, beams, field_rad, reach_m), reaching(reach_m), {x, 0, 0});
       xs.push_back(x);
     }
-    const std::vector<Place> places = mapper.places();
+    const std::vector<Place> places = mapper.places({});
     REQUIRE(places.size() == xs.size());
     int right = 0, doorways = 0;
     for (std::size_t k = 0; k < xs.size(); ++k) {
@@ -134,9 +134,9 @@ TEST_CASE("a trained model comes back from its text, and other text is refused")
   RandomStream random(811, RandomStreamId::kLaser);
   for (int k = 0; k < 60; ++k) {
     const double y = random.uniform(-0.8, 0.8);
-    paths[0].push_back({features_of(corridor(), {random.uniform(-5, 5), y, 0}, 360), PlaceKind::kCorridor});
-    paths[0].push_back({features_of(furnished_room(), {random.uniform(-2, 1), y, 0}, 360), PlaceKind::kRoom});
-    paths[0].push_back({features_of(two_rooms(), {random.uniform(-0.2, 0.2), 0.2 * y, 0}, 360), PlaceKind::kDoorway});
+    paths[0].push_back({features_of(corridor(), {random.uniform(-5, 5), y, 0}, 360), PlaceKind::kCorridor, {}});
+    paths[0].push_back({features_of(furnished_room(), {random.uniform(-2, 1), y, 0}, 360), PlaceKind::kRoom, {}});
+    paths[0].push_back({features_of(two_rooms(), {random.uniform(-0.2, 0.2), 0.2 * y, 0}, 360), PlaceKind::kDoorway, {}});
   }
   const PlaceModel model = PlaceModel::train(paths), twin = PlaceModel::parse(model.text());
   for (const PlaceSample& sample : paths[0]) {
@@ -149,15 +149,59 @@ TEST_CASE("a trained model comes back from its text, and other text is refused")
   REQUIRE_THROWS_AS(PlaceModel::train(paths), std::invalid_argument);
 }
 
+TEST_CASE("what the map says of places is weighed as it was learned") {
+  std::vector<PlacePath> paths(1);
+  for (int k = 0; k < 60; ++k) {
+    const PlaceOnMap door{k % 10 ? PlaceHint::kNone : PlaceHint::kAtDoor, -1};  // doors are found where there are none as often as not
+    const PlaceOnMap inside{k % 5 ? PlaceHint::kInCorridor : PlaceHint::kInRoom, 3};
+    paths[0].push_back({features_of(corridor(), {0.1 * k, 0, 0}, 360), PlaceKind::kCorridor, inside});
+    paths[0].push_back({features_of(furnished_room(), {-0.02 * k, 0, 0}, 360), PlaceKind::kRoom, door});
+    paths[0].push_back({features_of(two_rooms(), {0, 0.004 * k, 0}, 360), PlaceKind::kDoorway, door});
+  }
+  const PlaceModel model = PlaceModel::parse(PlaceModel::train(paths).text());
+  const PlaceConfidence &at_door = model.likelihood(PlaceHint::kAtDoor), &in_corridor = model.likelihood(PlaceHint::kInCorridor);
+  CHECK(at_door[0] == Approx(at_door[2]));
+  CHECK(at_door[1] < 0.5 * at_door[0]);
+  CHECK(in_corridor[1] > 5 * in_corridor[0]);
+  for (std::size_t kind = 0; kind < kPlaceKinds; ++kind) {
+    double sum = 0;
+    for (const PlaceHint hint : {PlaceHint::kNone, PlaceHint::kInRoom, PlaceHint::kInCorridor, PlaceHint::kAtDoor}) {
+      CHECK(model.likelihood(hint)[kind] > 0);  // no hint rules a kind out
+      sum += model.likelihood(hint)[kind];
+    }
+    CHECK(sum == Approx(1));
+  }
+}
+
+TEST_CASE("a room is one kind of place: what is seen from most of its nodes decides for those that see it differently") {
+  const PlaceModel model = shipped_model();
+  const PlaceTransitions any = {{{0.34, 0.33, 0.33}, {0.33, 0.34, 0.33}, {0.33, 0.33, 0.34}}};
+  std::vector<PlaceConfidence> seen(30, {0.04, 0.94, 0.02});
+  std::vector<PlaceOnMap> on_map(30, {PlaceHint::kInRoom, 5});
+  for (std::size_t k = 0; k < 30; k += 5) seen[k] = {0.6, 0.38, 0.02};  // a widening
+  seen.push_back({0.02, 0.03, 0.95});                                    // its doorway
+  on_map.push_back({PlaceHint::kAtDoor, 5});
+  seen.push_back({0.6, 0.38, 0.02});                                     // another room
+  on_map.push_back({PlaceHint::kInRoom, 6});
+  const auto alone = smooth_places(seen, any, {}), told = smooth_places(seen, any, told_by_map(seen, on_map, model));
+  CHECK(likeliest(alone[10]) == PlaceKind::kRoom);
+  CHECK(likeliest(told[10]) == PlaceKind::kCorridor);
+  CHECK(likeliest(told[11]) == PlaceKind::kCorridor);
+  CHECK(likeliest(told[30]) == PlaceKind::kDoorway);
+  CHECK(likeliest(told[31]) == PlaceKind::kRoom);
+  CHECK(told_by_map(seen, {}, model).empty());
+  CHECK(told_by_map({}, on_map, model).empty());
+}
+
 TEST_CASE("one strange scan does not change what a place is, and lasting ones do") {
   const PlaceTransitions stay = {{{0.96, 0.02, 0.02}, {0.02, 0.96, 0.02}, {0.1, 0.1, 0.8}}};
   std::vector<PlaceConfidence> seen(21, {0.8, 0.1, 0.1});
   seen[10] = {0.2, 0.7, 0.1};
-  REQUIRE(likeliest(smooth_places(seen, stay)[10]) == PlaceKind::kRoom);
+  REQUIRE(likeliest(smooth_places(seen, stay, {})[10]) == PlaceKind::kRoom);
   for (std::size_t k = 8; k < 15; ++k) seen[k] = {0.05, 0.9, 0.05};
-  REQUIRE(likeliest(smooth_places(seen, stay)[11]) == PlaceKind::kCorridor);
-  REQUIRE(likeliest(smooth_places(seen, stay)[20]) == PlaceKind::kRoom);
-  REQUIRE(smooth_places({}, stay).empty());
+  REQUIRE(likeliest(smooth_places(seen, stay, {})[11]) == PlaceKind::kCorridor);
+  REQUIRE(likeliest(smooth_places(seen, stay, {})[20]) == PlaceKind::kRoom);
+  REQUIRE(smooth_places({}, stay, {}).empty());
 }
 
 TEST_CASE("a hundred thousand nodes are smoothed without a number getting lost") {
@@ -168,11 +212,11 @@ TEST_CASE("a hundred thousand nodes are smoothed without a number getting lost")
     const double p = k % 7 ? random.uniform() : 0.0;
     seen.push_back({p, 1 - p, 0});
   }
-  for (const PlaceConfidence& p : smooth_places(seen, stay)) REQUIRE(std::abs(p[0] + p[1] + p[2] - 1) < 1e-9);
+  for (const PlaceConfidence& p : smooth_places(seen, stay, {})) REQUIRE(std::abs(p[0] + p[1] + p[2] - 1) < 1e-9);
 }
 
 TEST_CASE("without a model there are no places") {
   PlaceMapper mapper(std::nullopt);
   mapper.add_node({}, {}, {});
-  REQUIRE(mapper.places().empty());
+  REQUIRE(mapper.places({}).empty());
 }
