@@ -94,6 +94,7 @@ std::vector<Door> find_doors(const Partition& partition, DoorSightings& sighting
     const double from_shape = std::log(opening.probability / std::max(1e-6, 1 - opening.probability));
     const double from_sightings = kEvidencePerSighting * support[k];
     door.evidence = std::min(kMaxEvidence, from_shape + from_sightings);
+    if (door.evidence < options.least_evidence) continue;
     door.region_a = cut.left;
     door.region_b = cut.right;
     doors.push_back(door);

@@ -15,6 +15,7 @@ namespace modslam {
 struct DoorMapOptions {
   double min_width_m = 0.6, max_width_m = 1.7;
   double centre_m = 0.35;  ///< a sighting supports an opening whose centre is this near
+  double least_evidence = 3;  ///< log-odds; a less sure cut parts rooms, but is not listed as a door
 };
 
 /// What scans saw of openings, by the square of the floor that their centres lie in, so that a door looks only around itself.
