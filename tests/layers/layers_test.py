@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """layers_test.py BUILD_DIR: the tree keeps its rules, and docs/architecture.md says what the sources do."""
+import os
 import pathlib
 import re
 import subprocess
@@ -198,6 +199,13 @@ def paths_exist():
             if not list(HOUSE.glob(path.rstrip("/"))):
                 missing.append(path)
     equal(missing, [], "paths that do not exist")
+
+
+@test("every file that names its interpreter can be run, and no other says it can")
+def scripts_can_be_run():
+    wrong = [str(p.relative_to(HOUSE)) for p in [HOUSE / "run.sh", HOUSE / ".ci" / "run", *files("procs", "tests", "viewer", "common", suffixes={".py", ".sh"})]
+             if p.read_text().startswith("#!") != os.access(p, os.X_OK)]
+    equal(wrong, [], "files whose mode and first line disagree")
 
 
 @test("every shell script stops at unset names, and shellcheck finds nothing in it")
