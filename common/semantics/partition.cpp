@@ -133,7 +133,7 @@ void FloorParter::find_clusters(std::vector<CutOpening>& cuts) {
     clusters_[static_cast<std::size_t>(cluster - 1)].cells += pieces[k - 1].cells;
     clusters_[static_cast<std::size_t>(cluster - 1)].box |= pieces[k - 1].box;
   }
-  cluster_numbers_ = tiles_.number_sets(cluster_of_, TiledRegions::kClusters);
+  cluster_numbers_ = tiles_.number_sets(cluster_of_, TiledRegions::kClusters).of_root;
   for (CutOpening& cut : cuts)
     for (int* side : {&cut.left, &cut.right}) *side = cluster_of_[static_cast<std::size_t>(*side)];
 }
@@ -202,7 +202,9 @@ std::vector<int> FloorParter::number_regions(const std::vector<int>& roots, cons
   }
   std::vector<int> root_of(cluster_of_.size());
   for (std::size_t k = 0; k < root_of.size(); ++k) root_of[k] = roots[static_cast<std::size_t>(cluster_of_[k])];
-  const std::vector<int> numbers = tiles_.number_sets(root_of, TiledRegions::kRooms);
+  TiledRegions::SetNumbers found = tiles_.number_sets(root_of, TiledRegions::kRooms);
+  unpainted_ = std::move(found.new_in);
+  const std::vector<int>& numbers = found.of_root;
   partition_.regions.clear();
   for (std::size_t root = 1; root < joined.size(); ++root)
     if (numbers[root] > 0) partition_.regions.emplace(numbers[root], joined[root]);
@@ -217,22 +219,15 @@ std::vector<int> FloorParter::number_regions(const std::vector<int>& roots, cons
 Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, std::vector<CutLine> healed) {
   std::sort(healed.begin(), healed.end());
   Boxes stirred = news_of(healed_, healed, space, 0), repainted, changed;
-  painted_.resize(static_cast<std::size_t>(tiles_.tile_count()));
-  painted_stamp_.resize(painted_.size(), 0);
+  for (const cv::Rect& box : stirred) tiles_.each_in(box, [&](int tile) { unpainted_.push_back(tile); });
+  std::sort(unpainted_.begin(), unpainted_.end());
+  unpainted_.erase(std::unique(unpainted_.begin(), unpainted_.end()), unpainted_.end());
   std::vector<cv::Mat1i> before;
   std::vector<int> numbers;  // of a tile's pieces; of no piece: 0
-  const auto is_painted = [&](int number, int region) { return number == number_of_[static_cast<std::size_t>(region)]; };
-  for (int tile = 0; tile < tiles_.tile_count(); ++tile) {
-    const auto t = static_cast<std::size_t>(tile);
-    const int *first = tiles_.regions_in(tile), *last = first + tiles_.pieces_in(tile);
-    if (painted_stamp_[t] == tiles_.stamp(tile) && std::equal(painted_[t].begin(), painted_[t].end(), first, last, is_painted) &&
-        (stirred.empty() || !meet(stirred, tiles_.tile_box(tile))))
-      continue;
+  for (const int tile : unpainted_) {
     const cv::Rect box = tiles_.tile_box(tile);
     numbers.assign(1, 0);
-    for (; first != last; ++first) numbers.push_back(number_of_[static_cast<std::size_t>(*first)]);
-    painted_[t].assign(numbers.begin() + 1, numbers.end());
-    painted_stamp_[t] = tiles_.stamp(tile);
+    for (int piece = 0; piece < tiles_.pieces_in(tile); ++piece) numbers.push_back(number_of_[static_cast<std::size_t>(tiles_.regions_in(tile)[piece])]);
     before.push_back(partition_.labels(box).clone());
     repainted.push_back(box);
     for (int y = box.y; y < box.br().y; ++y) {
@@ -301,8 +296,6 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
 void FloorParter::grow(const Growth& growth) {
   walled_.grow(growth, [](double) {});
   slots_.grow(growth);
-  painted_ = tiles_.regrown(std::move(painted_), growth);
-  painted_stamp_ = tiles_.regrown(std::move(painted_stamp_), growth);
   tiles_.grow(growth);
   parted_ = grown(parted_, growth, 0);
   partition_.labels = grown(partition_.labels, growth, 0);

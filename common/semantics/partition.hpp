@@ -82,8 +82,7 @@ class FloorParter {
   Memo<int, double> walled_;                    ///< by number of the cluster
   ParkingSlots slots_;
   std::vector<int> number_of_;                  ///< final number of each region of tiles_
-  std::vector<std::vector<int>> painted_;       ///< numbers in each tile, as painted
-  std::vector<int> painted_stamp_;
+  std::vector<int> unpainted_;                  ///< tiles of which labels are not what number_of_ says
 };
 
 /// All at once, from openings in any order.

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <queue>
 #include <tuple>
+#include <unordered_map>
 
 namespace modslam {
 namespace {
@@ -16,42 +17,56 @@ struct Candidate {
   bool operator<(const Candidate& o) const { return std::tuple(weight, -p, -q) < std::tuple(o.weight, -o.p, -o.q); }
 };
 
+/// Sets of pieces that became one.
+class Sets {
+ public:
+  explicit Sets(int count) : parent_(static_cast<std::size_t>(count)) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int root(int k) {
+    while (of(k) != k) k = of(k) = of(of(k));
+    return k;
+  }
+  void join(int goes, int stays) { of(root(goes)) = root(stays); }
+
+ private:
+  int& of(int k) { return parent_[static_cast<std::size_t>(k)]; }
+  std::vector<int> parent_;
+};
+
 }  // namespace
 
 std::vector<int> cluster_pieces(int count, const std::vector<PieceBond>& bonds) {
-  std::vector<std::map<int, double>> bonds_of(static_cast<std::size_t>(count));
-  const auto of = [&](int piece) -> std::map<int, double>& { return bonds_of[static_cast<std::size_t>(piece)]; };
+  Sets parent(count), reach(count);
   for (const PieceBond& bond : bonds)
-    if (bond.p != bond.q) of(bond.p)[bond.q] = of(bond.q)[bond.p] += bond.weight;
+    if (bond.weight > 0) reach.join(bond.p, bond.q);
+  // Between what no chain of positive bonds joins no sum of bonds is ever positive.
+  std::unordered_map<int, std::map<int, double>> bonds_of;
+  for (const PieceBond& bond : bonds)
+    if (bond.p != bond.q && reach.root(bond.p) == reach.root(bond.q)) bonds_of[bond.p][bond.q] = bonds_of[bond.q][bond.p] += bond.weight;
   std::priority_queue<Candidate> queue;
-  for (int p = 0; p < count; ++p)
-    for (const auto& [q, weight] : of(p))
+  for (const auto& [p, those] : bonds_of)
+    for (const auto& [q, weight] : those)
       if (p < q && weight > 0) queue.push({weight, p, q});
 
-  std::vector<int> parent(static_cast<std::size_t>(count));
-  std::iota(parent.begin(), parent.end(), 0);
   while (!queue.empty()) {
     const Candidate best = queue.top();
     queue.pop();
-    const auto still = of(best.p).find(best.q);
-    if (still == of(best.p).end() || still->second != best.weight) continue;  // joined with something since
-    const int keeps = of(best.p).size() >= of(best.q).size() ? best.p : best.q, goes = keeps == best.p ? best.q : best.p;
-    parent[static_cast<std::size_t>(goes)] = keeps;
-    of(keeps).erase(goes);
-    for (const auto& [other, weight] : of(goes)) {
+    std::map<int, double>&of_p = bonds_of[best.p], &of_q = bonds_of[best.q];
+    const auto still = of_p.find(best.q);
+    if (still == of_p.end() || still->second != best.weight) continue;  // joined with something since
+    const int keeps = of_p.size() >= of_q.size() ? best.p : best.q, goes = keeps == best.p ? best.q : best.p;
+    parent.join(goes, keeps);
+    bonds_of[keeps].erase(goes);
+    for (const auto& [other, weight] : bonds_of[goes]) {
       if (other == keeps) continue;
-      of(other).erase(goes);
-      const double sum = of(keeps)[other] = of(other)[keeps] += weight;
+      bonds_of[other].erase(goes);
+      const double sum = bonds_of[keeps][other] = bonds_of[other][keeps] += weight;
       if (sum > 0) queue.push({sum, std::min(keeps, other), std::max(keeps, other)});
     }
-    of(goes).clear();
+    bonds_of[goes].clear();
   }
-  for (int k = 0; k < count; ++k) {
-    int root = k;
-    while (parent[static_cast<std::size_t>(root)] != root) root = parent[static_cast<std::size_t>(root)];
-    parent[static_cast<std::size_t>(k)] = root;
-  }
-  return parent;
+  std::vector<int> out(static_cast<std::size_t>(count));
+  for (int k = 0; k < count; ++k) out[static_cast<std::size_t>(k)] = parent.root(k);
+  return out;
 }
 
 }  // namespace modslam

@@ -142,38 +142,53 @@ void TiledRegions::join() {
 }
 
 /// A set is the same when all its pieces say that they were in one set, and that it had as many.
-std::vector<int> TiledRegions::number_sets(const std::vector<int>& root_of, Kind kind) {
+TiledRegions::SetNumbers TiledRegions::number_sets(const std::vector<int>& root_of, Kind kind) {
   struct Set {
     Known before;
     int pieces = 0;
     bool same = true;
   };
   std::vector<Set> sets(root_of.size());
-  const auto each_piece = [&](auto visit) {
-    for (Tile& tile : tiles_)
-      for (std::size_t k = 0; k < tile.pieces.size(); ++k)
-        visit(static_cast<std::size_t>(root_of[static_cast<std::size_t>(region_of_[static_cast<std::size_t>(tile.first) + k])]), tile.pieces[k].known[kind]);
-  };
-  each_piece([&](std::size_t root, const Known& known) {
-    Set& set = sets[root];
-    if (set.pieces++ == 0) set.before = known;
-    else set.same = set.same && known == set.before;
-  });
-  std::vector<int> numbers(sets.size(), 0);
+  const auto root_at = [&](const Tile& tile, std::size_t k) { return static_cast<std::size_t>(root_of[static_cast<std::size_t>(region_of_[static_cast<std::size_t>(tile.first) + k])]); };
+  for (const Tile& tile : tiles_)
+    for (std::size_t k = 0; k < tile.pieces.size(); ++k) {
+      Set& set = sets[root_at(tile, k)];
+      const Known& known = tile.pieces[k].known[kind];
+      if (set.pieces++ == 0) set.before = known;
+      else set.same = set.same && known == set.before;
+    }
+  SetNumbers numbers{std::vector<int>(sets.size(), 0), {}};
   for (std::size_t k = 1; k < sets.size(); ++k) {
-    if (sets[k].pieces == 0) continue;
-    numbers[k] = sets[k].same && sets[k].before.number > 0 && sets[k].before.pieces == sets[k].pieces ? sets[k].before.number : ++last_number_[kind];
+    Set& set = sets[k];
+    if (set.pieces == 0) continue;
+    set.same = set.same && set.before.number > 0 && set.before.pieces == set.pieces;
+    numbers.of_root[k] = set.same ? set.before.number : ++last_number_[kind];
   }
-  each_piece([&](std::size_t root, Known& known) { known = {numbers[root], sets[root].pieces}; });
+  for (std::size_t t = 0; t < tiles_.size(); ++t) {
+    Tile& tile = tiles_[t];
+    bool is_new = tile.stamp == round_;
+    for (std::size_t k = 0; k < tile.pieces.size(); ++k) {
+      const std::size_t root = root_at(tile, k);
+      if (sets[root].same) continue;
+      is_new = true;
+      tile.pieces[k].known[kind] = {numbers.of_root[root], sets[root].pieces};
+    }
+    if (is_new) numbers.new_in.push_back(static_cast<int>(t));
+  }
   return numbers;
 }
 
 /// By whole tiles.
 void TiledRegions::grow(const Growth& growth) {
-  tiles_ = regrown(std::move(tiles_), growth);
-  for (Tile& tile : tiles_)
-    for (Piece& piece : tile.pieces) piece.box += growth.shift;
+  const int columns_before = columns_, rows = (growth.size.height + kTile - 1) / kTile;
   columns_ = columns_in(growth.size);
+  std::vector<Tile> tiles(static_cast<std::size_t>(columns_ * rows));
+  for (std::size_t k = 0; k < tiles_.size(); ++k) {
+    const int row = static_cast<int>(k) / columns_before + growth.shift.y / kTile, column = static_cast<int>(k) % columns_before + growth.shift.x / kTile;
+    Tile& tile = tiles[static_cast<std::size_t>(row * columns_ + column)] = std::move(tiles_[k]);
+    for (Piece& piece : tile.pieces) piece.box += growth.shift;
+  }
+  tiles_ = std::move(tiles);
   local_ = grown(local_, growth, 0);
 }
 
@@ -186,14 +201,12 @@ void TiledRegions::update(const cv::Mat1b& mask, const Boxes& changed) {
   }
   std::set<int> relabel, relink;
   for (const cv::Rect& box : changed)
-    for (int row = box.y / kTile; row * kTile < box.br().y; ++row)
-      for (int column = box.x / kTile; column * kTile < box.br().x; ++column) {
-        const int tile = row * columns_ + column;
-        relabel.insert(tile);
-        relink.insert(tile);
-        if (column > 0) relink.insert(tile - 1);
-        if (row > 0) relink.insert(tile - columns_);
-      }
+    each_in(box, [&](int tile) {
+      relabel.insert(tile);
+      relink.insert(tile);
+      if (tile % columns_ > 0) relink.insert(tile - 1);
+      if (tile >= columns_) relink.insert(tile - columns_);
+    });
   for (const int tile : relabel) label(tile, mask);
   for (const int tile : relink) link(tile);
   join();
@@ -201,17 +214,15 @@ void TiledRegions::update(const cv::Mat1b& mask, const Boxes& changed) {
 
 cv::Mat1b TiledRegions::mask_of(const std::vector<int>& root_of, int root, const cv::Rect& box) const {
   cv::Mat1b mask(box.size(), std::uint8_t{0}), here;
-  for (int row = box.y / kTile; row * kTile < box.br().y; ++row)
-    for (int column = box.x / kTile; column * kTile < box.br().x; ++column) {
-      const int tile = row * columns_ + column;
-      const cv::Rect part = tile_box(tile) & box;
-      for (int piece = 0; piece < pieces_in(tile); ++piece) {
-        if (root_of[static_cast<std::size_t>(regions_in(tile)[piece])] != root) continue;
-        cv::inRange(local_(part), piece + 1, piece + 1, here);
-        cv::Mat1b target = mask(part - box.tl());
-        cv::bitwise_or(target, here, target);
-      }
+  each_in(box, [&](int tile) {
+    const cv::Rect part = tile_box(tile) & box;
+    for (int piece = 0; piece < pieces_in(tile); ++piece) {
+      if (root_of[static_cast<std::size_t>(regions_in(tile)[piece])] != root) continue;
+      cv::inRange(local_(part), piece + 1, piece + 1, here);
+      cv::Mat1b target = mask(part - box.tl());
+      cv::bitwise_or(target, here, target);
     }
+  });
   return mask;
 }
 

@@ -22,18 +22,6 @@ class TiledRegions {
   void update(const cv::Mat1b& mask, const Boxes& changed);
 
   void grow(const Growth& growth);
-  /// What is kept for each tile by others, in the order of the tiles after the raster grew.
-  template <class Kept>
-  std::vector<Kept> regrown(std::vector<Kept> kept, const Growth& growth) const {
-    const int columns_before = columns_in(local_.size()), columns = columns_in(growth.size);
-    std::vector<Kept> out(static_cast<std::size_t>(columns * ((growth.size.height + kTile - 1) / kTile)));
-    for (std::size_t k = 0; k < kept.size(); ++k) {
-      const int row = static_cast<int>(k) / columns_before + growth.shift.y / kTile, column = static_cast<int>(k) % columns_before + growth.shift.x / kTile;
-      out[static_cast<std::size_t>(row * columns + column)] = std::move(kept[k]);
-    }
-    return out;
-  }
-
   /// In the order of their first cells, tile by tile; region k stands at k - 1.
   const std::vector<Region>& regions() const { return regions_; }
   /// The region at a cell, from 1; 0: none.
@@ -43,15 +31,22 @@ class TiledRegions {
   }
   /// Sets of regions may be numbered in two ways side by side.
   enum Kind { kClusters, kRooms, kKinds };
+  struct SetNumbers {
+    std::vector<int> of_root;
+    std::vector<int> new_in;   ///< tiles of which pieces or their numbers are not what they were in the call before, rising
+  };
   /// @param root_of  the set of each region, from 1, at 0 nothing. @return a number for each root; a set that is made of the same pieces as one of the call
   /// before has its number.
-  std::vector<int> number_sets(const std::vector<int>& root_of, Kind kind);
+  SetNumbers number_sets(const std::vector<int>& root_of, Kind kind);
   /// Cells of a set of regions within a box.
   cv::Mat1b mask_of(const std::vector<int>& root_of, int root, const cv::Rect& box) const;
-  int tile_count() const { return static_cast<int>(tiles_.size()); }
+  /// Tiles that a box of cells reaches into.
+  template <class Visit>
+  void each_in(const cv::Rect& box, Visit visit) const {
+    for (int row = box.y / kTile; row * kTile < box.br().y; ++row)
+      for (int column = box.x / kTile; column * kTile < box.br().x; ++column) visit(row * columns_ + column);
+  }
   cv::Rect tile_box(int tile) const { return cv::Rect(tile % columns_ * kTile, tile / columns_ * kTile, kTile, kTile) & cv::Rect({0, 0}, local_.size()); }
-  /// When the tile last changed.
-  int stamp(int tile) const { return tiles_[static_cast<std::size_t>(tile)].stamp; }
   /// How many pieces a tile has, and the regions of these.
   int pieces_in(int tile) const { return static_cast<int>(tiles_[static_cast<std::size_t>(tile)].pieces.size()); }
   const int* regions_in(int tile) const { return region_of_.data() + tiles_[static_cast<std::size_t>(tile)].first; }
@@ -70,7 +65,7 @@ class TiledRegions {
     std::array<Known, kKinds> known;
   };
   struct Tile {
-    int stamp = 0, first = 0;                         ///< first: place of its first piece among all
+    int stamp = 0, first = 0;                         ///< when it last changed; place of its first piece among all
     std::vector<Piece> pieces;
     std::vector<std::pair<int, int>> right, below;    ///< its pieces and those of the neighbour that they meet
   };
