@@ -13,14 +13,14 @@ constexpr double kSameWay = 0.7;  // |cos| of cuts that may be one opening
 
 double side_of(const Vec& a, const Vec& b, const Vec& p) { return (b - a).x() * (p - a).y() - (b - a).y() * (p - a).x(); }
 
-bool cross_each_other(const Opening& p, const Opening& q) {
+bool cross_each_other(const Gap& p, const Gap& q) {
   const Vec inward_p = 0.05 * (p.b - p.a).normalized(), inward_q = 0.05 * (q.b - q.a).normalized();
   const Vec pa = p.a + inward_p, pb = p.b - inward_p, qa = q.a + inward_q, qb = q.b - inward_q;
   return side_of(pa, pb, qa) * side_of(pa, pb, qb) < 0 && side_of(qa, qb, pa) * side_of(qa, qb, pb) < 0;
 }
 
 /// Cuts of one opening lie side by side or across each other.
-bool same_opening(const Opening& p, const Opening& q) {
+bool same_opening(const Gap& p, const Gap& q) {
   if (cross_each_other(p, q)) return true;
   const double near = 0.5 * std::max(p.width_m(), q.width_m());
   return (p.centre() - q.centre()).norm() < near && std::abs((p.b - p.a).normalized().dot((q.b - q.a).normalized())) > kSameWay;
@@ -28,64 +28,84 @@ bool same_opening(const Opening& p, const Opening& q) {
 
 }  // namespace
 
-std::size_t CutChoice::take(const Opening& opening) {
+std::size_t CutChoice::take(const Gap& gap) {
   if (free_.empty()) {
     free_.push_back(slots_.size());
     slots_.emplace_back();
   }
-  const std::size_t slot = free_.back();
+  const std::size_t number = free_.back();
   free_.pop_back();
-  slots_[slot] = {opening, false};
-  index_.add(opening.a, opening.b, slot);
-  return slot;
+  slots_[number] = {gap, false};
+  index_.add(gap.a, gap.b, number);
+  return number;
 }
 
-void CutChoice::drop(std::size_t slot) {
-  const Opening& opening = slots_[slot].opening;
-  if (slots_[slot].chosen) stirred_.push_back({opening.centre(), 0.5 * opening.width_m()});
-  index_.remove(opening.a, opening.b, slot);
-  free_.push_back(slot);
+std::size_t CutChoice::find(const Gap& gap) const {
+  std::size_t found = slots_.size();
+  index_.each_near(gap.a, gap.b, 0, [&](std::size_t k) {
+    if (slots_[k].gap.order() == gap.order()) found = k;
+  });
+  return found;
 }
 
-/// Openings whose middles are farther apart than half of both their widths have nothing to do with each other.
-bool CutChoice::is_stirred(const Opening& opening) const {
-  if (stirred_.empty()) return false;
-  const Vec centre = opening.centre();
-  const double half_m = 0.5 * opening.width_m() + 0.01;
-  return std::any_of(stirred_.begin(), stirred_.end(), [&](const Stirred& other) {
-    const double reach_m = half_m + other.half_m;
-    return (centre - other.centre).squaredNorm() < reach_m * reach_m;
+/// Gaps farther apart than half of the wider one's width have nothing to do with each other.
+void CutChoice::ask_less_sure(std::size_t number, Queue& queue) const {
+  const Gap& gap = slots_[number].gap;
+  const Order order = gap.order();
+  index_.each_near(gap.a, gap.b, kReach_m, [&](std::size_t k) {
+    if (const Order other = slots_[k].gap.order(); order < other && same_opening(gap, slots_[k].gap)) queue.emplace(other, k);
   });
 }
 
-void CutChoice::choose(std::size_t slot) {
-  Slot& asked = slots_[slot];
-  const std::vector<std::size_t> near = index_.near(asked.opening.a, asked.opening.b, 0.5 * kSquare_m);
-  const bool chosen = std::none_of(near.begin(), near.end(), [&](std::size_t k) {
-    return slots_[k].chosen && slots_[k].order() < asked.order() && same_opening(slots_[k].opening, asked.opening);
+bool CutChoice::is_best(std::size_t number) const {
+  const Gap& gap = slots_[number].gap;
+  bool best = true;
+  index_.each_near(gap.a, gap.b, kReach_m, [&](std::size_t k) {
+    best = best && !(slots_[k].chosen && slots_[k].gap.order() < gap.order() && same_opening(slots_[k].gap, gap));
   });
-  if (chosen != asked.chosen) stirred_.push_back({asked.opening.centre(), 0.5 * asked.opening.width_m()});
-  asked.chosen = chosen;
+  return best;
 }
 
-const std::vector<std::size_t>& CutChoice::update(const std::vector<Opening>& openings) {
-  stirred_.clear();
-  chosen_.clear();
-  std::vector<std::size_t> listed;
-  listed.reserve(openings.size());
-  auto before = listed_.begin();
-  for (std::size_t k = 0; k < openings.size(); ++k) {
-    const auto order = Slot{openings[k], false}.order();
-    for (; before != listed_.end() && slots_[*before].order() < order; ++before) drop(*before);
-    const bool known = before != listed_.end() && slots_[*before].order() == order;
-    listed.push_back(known ? *before++ : take(openings[k]));
-    slots_[listed.back()].opening = openings[k];
-    if (!known || is_stirred(openings[k])) choose(listed.back());
-    if (slots_[listed.back()].chosen) chosen_.push_back(k);
+CutChoice::Numbers::iterator CutChoice::place_of(std::size_t number) {
+  const auto order = [&](std::size_t k) { return std::pair(slots_[k].gap.order(), k); };
+  return std::lower_bound(chosen_.begin(), chosen_.end(), number, [&](std::size_t p, std::size_t q) { return order(p) < order(q); });
+}
+
+CutChoice::Change CutChoice::update(const GapNews& news) {
+  free_.insert(free_.end(), gone_.begin(), gone_.end());
+  gone_.clear();
+  Change change;
+  Queue queue;
+  for (const Gap& gap : news.gone) {
+    const std::size_t number = find(gap);
+    if (number == slots_.size()) continue;
+    index_.remove(gap.a, gap.b, number);
+    gone_.push_back(number);
   }
-  for (; before != listed_.end(); ++before) drop(*before);
-  listed_ = std::move(listed);
-  return chosen_;
+  for (const std::size_t number : gone_)
+    if (std::exchange(slots_[number].chosen, false)) {
+      change.gone.push_back(number);
+      ask_less_sure(number, queue);
+    }
+  for (const Gap& gap : news.come) queue.emplace(gap.order(), take(gap));
+  // Who is looked at has only surer ones to heed, and those are settled.
+  for (; !queue.empty(); queue.erase(queue.begin())) {
+    const std::size_t number = queue.begin()->second;
+    const bool best = is_best(number);
+    if (slots_[number].chosen == best) continue;
+    slots_[number].chosen = best;
+    (best ? change.come : change.gone).push_back(number);
+    ask_less_sure(number, queue);
+  }
+  for (const std::size_t number : change.gone) chosen_.erase(place_of(number));
+  for (const std::size_t number : change.come) chosen_.insert(place_of(number), number);
+  return change;
+}
+
+CutChoice::Numbers CutChoice::near(const Vec& p, const Vec& q, double margin_m) const {
+  Numbers found = index_.near(p, q, margin_m);
+  found.erase(std::remove_if(found.begin(), found.end(), [&](std::size_t k) { return !slots_[k].chosen; }), found.end());
+  return found;
 }
 
 }  // namespace modslam

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file Which openings are cut: the surest first, none that says the same as one before.
+/// @file Which gaps are cut: the surest first, none that says the same as one before.
 #pragma once
-#include <tuple>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "common/semantics/openings.hpp"
@@ -9,40 +10,51 @@
 
 namespace modslam {
 
-/// An opening that was cut, and the regions on its two sides (left and right of a -> b; 0: none).
+/// A gap that was cut, and the regions on its two sides (left and right of a -> b; 0: none).
 struct CutOpening {
-  Opening opening;
+  Gap opening;
+  std::size_t number = 0;   ///< stays as long as the cut
   int left = 0, right = 0;
   bool parts() const { return left != 0 && right != 0 && left != right; }
 };
 
-/// Keeps the choice in step with the openings: looked at again is what came, and what lies near a choice that changed. The result is the one of a fresh look.
+/// Keeps the choice in step with the gaps: looked at again is what came, and what lies near a choice that changed. The result is the one of a fresh look.
 class CutChoice {
  public:
-  /// @param openings  surest first. @return places in it of the chosen ones, rising.
-  const std::vector<std::size_t>& update(const std::vector<Opening>& openings);
+  using Numbers = std::vector<std::size_t>;
+  /// Numbers of those that were chosen and are not any more, and the other way round.
+  struct Change {
+    Numbers gone, come;
+  };
+
+  Change update(const GapNews& news);
+
+  /// Numbers of the chosen, surest first.
+  const Numbers& chosen() const { return chosen_; }
+  /// What is gone can be read until the next update.
+  const Gap& operator[](std::size_t number) const { return slots_[number].gap; }
+  /// All numbers are below this.
+  std::size_t end() const { return slots_.size(); }
+  /// Chosen ones that may lie within `margin_m` of a box with corners p and q, lowest number first.
+  Numbers near(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m) const;
 
  private:
   struct Slot {
-    Opening opening;
+    Gap gap;
     bool chosen = false;
-    auto order() const { return std::tuple(-opening.probability, opening.a.x(), opening.a.y(), opening.b.x(), opening.b.y()); }
   };
-  /// An opening of which the choice changed.
-  struct Stirred {
-    Eigen::Vector2d centre;
-    double half_m;
-  };
-  std::size_t take(const Opening& opening);
-  void drop(std::size_t slot);
-  bool is_stirred(const Opening& opening) const;
-  void choose(std::size_t slot);
+  using Order = decltype(Gap().order());
+  using Queue = std::set<std::pair<Order, std::size_t>>;   ///< to be looked at, surest first
+  std::size_t take(const Gap& gap);
+  std::size_t find(const Gap& gap) const;
+  void ask_less_sure(std::size_t number, Queue& queue) const;
+  bool is_best(std::size_t number) const;
+  Numbers::iterator place_of(std::size_t number);
 
-  static constexpr double kSquare_m = 3.5;
+  static constexpr double kSquare_m = 3.5, kReach_m = 0.5 * kSquare_m;
   std::vector<Slot> slots_;
-  std::vector<std::size_t> free_, listed_, chosen_;   ///< listed_: slots of the openings, surest first
+  Numbers free_, gone_, chosen_;
   PlanIndex index_{kSquare_m};
-  std::vector<Stirred> stirred_;                      ///< in this round
 };
 
 }  // namespace modslam

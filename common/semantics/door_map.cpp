@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 namespace modslam {
 namespace {
@@ -32,7 +31,7 @@ void DoorSightings::add(const DoorSighting& sighting, int sign) {
   if (const auto found = std::find_if(here.begin(), here.end(), same); found != here.end()) here.erase(found);
 }
 
-int DoorSightings::count(const Opening& opening, double centre_m) const {
+int DoorSightings::count(const Gap& opening, double centre_m) const {
   const Eigen::Vector2d u = (opening.b - opening.a).normalized(), reach(centre_m, centre_m);
   const auto low = square_of(opening.centre() - reach), high = square_of(opening.centre() + reach);
   int count = 0;
@@ -48,29 +47,24 @@ int DoorSightings::count(const Opening& opening, double centre_m) const {
   return count;
 }
 
-std::size_t DoorSightings::Hash::operator()(const Ends& ends) const {
-  std::size_t hash = 0;
-  for (const double x : ends) hash = hash * 1000003 + std::hash<double>()(x);
-  return hash;
-}
-
-bool DoorSightings::is_stirred(const Opening& opening, double centre_m) const {
+bool DoorSightings::is_stirred(const Gap& opening, double centre_m) const {
   const Eigen::Vector2d centre = opening.centre();
   return std::any_of(stirred_.begin(), stirred_.end(), [&](const Eigen::Vector2d& p) { return (p - centre).squaredNorm() <= centre_m * centre_m; });
 }
 
 std::vector<int> DoorSightings::support(const std::vector<CutOpening>& cuts, double centre_m) {
   if (stirred_.size() > cuts.size()) known_.clear();  // much moved: counting costs less than looking for what stayed
-  std::unordered_map<Ends, int, Hash> now(cuts.size());
+  ++round_;
   std::vector<int> out;
   out.reserve(cuts.size());
-  for (const auto& [opening, left, right] : cuts) {
-    const Ends ends{opening.a.x(), opening.a.y(), opening.b.x(), opening.b.y()};
-    const auto known = known_.find(ends);
-    out.push_back(known == known_.end() || is_stirred(opening, centre_m) ? count(opening, centre_m) : known->second);
-    now.emplace(ends, out.back());
+  for (const CutOpening& cut : cuts) {
+    const Gap& gap = cut.opening;
+    if (cut.number >= known_.size()) known_.resize(cut.number + 1);
+    Known& known = known_[cut.number];
+    const bool stays = known.round == round_ - 1 && known.a == gap.a && known.b == gap.b && !is_stirred(gap, centre_m);
+    known = {gap.a, gap.b, round_, stays ? known.count : count(gap, centre_m)};
+    out.push_back(known.count);
   }
-  known_ = std::move(now);
   stirred_.clear();
   return out;
 }
@@ -86,7 +80,7 @@ std::vector<Door> find_doors(const Partition& partition, DoorSightings& sighting
   const std::vector<int> support = sightings.support(partition.cuts, options.centre_m);
   for (std::size_t k = 0; k < partition.cuts.size(); ++k) {
     const CutOpening& cut = partition.cuts[k];
-    const Opening& opening = cut.opening;
+    const Gap& opening = cut.opening;
     if (opening.width_m() < options.min_width_m || opening.width_m() > options.max_width_m) continue;
     Door door;
     door.a = opening.a;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Doors: the openings between rooms that are as wide as doors, with what scans saw of them over time (thesis 3.4.3).
 #pragma once
-#include <array>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -27,16 +26,18 @@ class DoorSightings {
   std::vector<int> support(const std::vector<CutOpening>& cuts, double centre_m);
 
  private:
-  using Ends = std::array<double, 4>;
-  struct Hash {
-    std::size_t operator()(const Ends& ends) const;
+  /// The count for a cut in the round when it was asked for.
+  struct Known {
+    Eigen::Vector2d a{0, 0}, b{0, 0};
+    int round = 0, count = 0;
   };
-  int count(const Opening& opening, double centre_m) const;
-  bool is_stirred(const Opening& opening, double centre_m) const;
+  int count(const Gap& opening, double centre_m) const;
+  bool is_stirred(const Gap& opening, double centre_m) const;
 
   std::unordered_map<std::int64_t, std::vector<DoorSighting>> squares_;
-  std::vector<Eigen::Vector2d> stirred_;              ///< centres of sightings that came or went since the last call
-  std::unordered_map<Ends, int, Hash> known_;         ///< counts of the last call, by both ends of the opening
+  std::vector<Eigen::Vector2d> stirred_;   ///< centres of sightings that came or went since the last call
+  std::vector<Known> known_;               ///< by number of the cut
+  int round_ = 0;
 };
 
 /// @param sightings each adds to the evidence of the door it saw.

@@ -279,7 +279,7 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   const Boxes walls = take_walls(layers.walls, space, news);
   wall_ends_.update(layers.walls, known_walls_, news.come, space, changed);
   openings_.update(floor_, space, known_walls_, floor, walls);
-  Boxes parted = parter_.update(floor_, space, known_walls_, openings_.openings(parting_options(config_).cuts), floor.open, walls);
+  Boxes parted = parter_.update(floor_, space, known_walls_, openings_.take_news(parting_options(config_).cuts), floor.open, walls);
   DoorMapOptions doors;
   doors.min_width_m = config_.door_min_m;
   doors.max_width_m = config_.door_max_m;

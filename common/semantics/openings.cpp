@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <tuple>
 
@@ -130,7 +131,6 @@ void OpeningMap::grow(const Growth& growth) {
     blocks.emplace(Index(index.first + growth.shift.x / kPlanBlock, index.second + growth.shift.y / kPlanBlock), std::move(block));
   }
   blocks_ = std::move(blocks);
-  for (Told& one : told_) one.block = {one.block.first + growth.shift.x / kPlanBlock, one.block.second + growth.shift.y / kPlanBlock};
 }
 
 std::vector<const OpeningMap::Block*> OpeningMap::around(const Index& index) const {
@@ -274,24 +274,28 @@ void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallS
   }
 }
 
-std::vector<Opening> OpeningMap::openings(const CutLimits& limits) {
-  told_.erase(std::remove_if(told_.begin(), told_.end(), [&](const Told& one) { return !blocks_.at(one.block).told; }), told_.end());
-  const auto stays = static_cast<std::ptrdiff_t>(told_.size());
+GapNews OpeningMap::take_news(const CutLimits& limits) {
+  GapNews news;
+  const auto order = [](const Gap& p, const Gap& q) { return p.order() < q.order(); };
   for (auto& [index, block] : blocks_) {
     if (block.told) continue;
     block.told = true;
+    std::vector<Gap> now;
     for (const Measured& m : block.cuts)
-      if (limits.take(m.opening)) told_.push_back({m.opening, index});
+      if (limits.take(m.opening)) now.push_back(m.opening);
+    std::sort(now.begin(), now.end(), order);
+    std::set_difference(block.gaps.begin(), block.gaps.end(), now.begin(), now.end(), std::back_inserter(news.gone), order);
+    std::set_difference(now.begin(), now.end(), block.gaps.begin(), block.gaps.end(), std::back_inserter(news.come), order);
+    block.gaps = std::move(now);
   }
-  const auto is_surer = [](const Told& p, const Told& q) {
-    const auto order = [](const Opening& o) { return std::tuple(-o.probability, o.a.x(), o.a.y(), o.b.x(), o.b.y()); };
-    return order(p.opening) < order(q.opening);
-  };
-  std::sort(told_.begin() + stays, told_.end(), is_surer);
-  std::inplace_merge(told_.begin(), told_.begin() + stays, told_.end(), is_surer);
+  return news;
+}
+
+std::vector<Opening> OpeningMap::all() const {
   std::vector<Opening> out;
-  out.reserve(told_.size());
-  for (const Told& one : told_) out.push_back(one.opening);
+  for (const auto& [index, block] : blocks_)
+    for (const Measured& m : block.cuts) out.push_back(m.opening);
+  std::sort(out.begin(), out.end(), [](const Opening& p, const Opening& q) { return p.order() < q.order(); });
   return out;
 }
 
@@ -303,7 +307,7 @@ std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, 
   WallSet set;
   set.update(walls);
   map.update(floor, space, set, all, {});
-  return map.openings({0, 0, 0});
+  return map.all();
 }
 
 }  // namespace modslam

@@ -4,6 +4,7 @@
 #pragma once
 #include <array>
 #include <map>
+#include <tuple>
 #include <vector>
 
 #include "common/semantics/floor.hpp"
@@ -30,12 +31,23 @@ enum OpeningFeature {
   kOpeningFeatures
 };
 
-struct Opening {
+/// Where the floor narrows, and how sure it is that two rooms are parted there.
+struct Gap {
   Eigen::Vector2d a, b;               ///< map frame [m]
-  std::array<float, kOpeningFeatures> features{};
   double probability = 0;             ///< of parting two rooms
   double width_m() const { return (b - a).norm(); }
   Eigen::Vector2d centre() const { return 0.5 * (a + b); }
+  /// Surest first.
+  auto order() const { return std::tuple(-probability, a.x(), a.y(), b.x(), b.y()); }
+};
+
+struct Opening : Gap {
+  std::array<float, kOpeningFeatures> features{};
+};
+
+/// What came and what went of a set of gaps.
+struct GapNews {
+  std::vector<Gap> gone, come;
 };
 
 /// Openings that the floor may be cut at.
@@ -43,8 +55,8 @@ struct CutLimits {
   double min_probability = 0.5;
   double slit_m = 0.6;             ///< narrower ones that nobody passes, as windows are, may part rooms beside surer ones ...
   double slit_probability = 0.05;  ///< ... if they are at least this sure
-  bool take(const Opening& opening) const {
-    return opening.probability >= min_probability || (opening.probability >= slit_probability && opening.width_m() < slit_m);
+  bool take(const Gap& gap) const {
+    return gap.probability >= min_probability || (gap.probability >= slit_probability && gap.width_m() < slit_m);
   }
 };
 
@@ -74,8 +86,9 @@ class OpeningMap {
   void update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const FloorChange& change, const Boxes& walls_changed);
   void grow(const Growth& growth);
 
-  /// Those that may be cut, surest first. Blocks without news are not looked at again. @param limits  the same each time.
-  std::vector<Opening> openings(const CutLimits& limits);
+  /// What is new since the last call of those that may be cut. @param limits  the same each time.
+  GapNews take_news(const CutLimits& limits);
+  std::vector<Opening> all() const;
 
  private:
   /// A cut, with what was measured of it.
@@ -89,7 +102,8 @@ class OpeningMap {
     cv::Rect box;
     Outline outline;
     std::vector<Measured> cuts;              ///< shortest first
-    bool told = false;                       ///< openings() knows of them
+    bool told = false;                       ///< take_news() knows of them, ...
+    std::vector<Gap> gaps;                   ///< ... and told of these the last time
     Boxes news;                              ///< middles of cuts that came or went in this round
   };
   /// Where things are new that features depend on.
@@ -108,11 +122,6 @@ class OpeningMap {
   double max_width_m_;
   OpeningModel model_;
   std::map<Index, Block> blocks_;
-  struct Told {
-    Opening opening;
-    Index block;
-  };
-  std::vector<Told> told_;    ///< by openings() the last time
 };
 
 /// All cuts of at most max_width_m that a corner of the floor's outline takes part in, with features and probability.

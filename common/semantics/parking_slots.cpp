@@ -14,7 +14,7 @@ constexpr double kCarFrom_m = 1.2, kCarTo_m = 2.6;
 constexpr double kSameWay = 0.7;  // |cos| between the mouth of a slot and its short sides
 
 /// As wide all the way as its mouth, and deep.
-bool is_slot(double width_m, double depth_m, const Vec& across, const Opening& mouth) {
+bool is_slot(double width_m, double depth_m, const Vec& across, const Gap& mouth) {
   const Vec u = (mouth.b - mouth.a).normalized();
   return depth_m > kSlotDepth_m && depth_m < kMostSlotDepth_m && depth_m > 1.5 * width_m && std::abs(u.dot(across)) > kSameWay &&
          mouth.width_m() > kSlotMouth * width_m;

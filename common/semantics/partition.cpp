@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
+#include <utility>
 #include <opencv2/imgproc.hpp>
 
 #include "common/semantics/region_clusters.hpp"
@@ -39,17 +39,16 @@ class Regions {
   std::vector<double> area_m2_;
 };
 
-/// Regions on the two sides of a cut.
-template <class RegionAt>
-int region_beside(RegionAt region_at, const KnownSpace& space, const Opening& cut, double sign) {
+/// The piece of floor beside a cut, left of it (sign 1) or right (-1).
+TiledRegions::Place place_beside(const TiledRegions& tiles, const KnownSpace& space, const Gap& cut, double sign) {
   const Vec d = (cut.b - cut.a).normalized(), n = sign * Vec(-d.y(), d.x());
   for (double s = kLookFrom_m; s <= kLookTo_m; s += 0.04)
     for (const double t : {0.5, 0.35, 0.65}) {
       const cv::Point c = space.cell(cut.a + t * (cut.b - cut.a) + s * n);
       if (!space.inside(c)) continue;
-      if (const int region = region_at(c)) return region;
+      if (const TiledRegions::Place place = tiles.at(c); place.piece > 0) return place;
     }
-  return 0;
+  return {};
 }
 
 void join_small_regions(const std::vector<CutOpening>& cuts, double min_room_m2, Regions& regions) {
@@ -78,37 +77,53 @@ void join_small_regions(const std::vector<CutOpening>& cuts, double min_room_m2,
 
 }  // namespace
 
-cv::Rect FloorParter::box_of(const CutLine& cut, const KnownSpace& space, double margin_m) {
+cv::Rect FloorParter::box_of(const Gap& cut, const KnownSpace& space, double margin_m) {
   const int margin = static_cast<int>(std::ceil(margin_m / space.resolution_m)) + 1;
   return grown(cv::Rect(space.cell(cut.a), cv::Size(1, 1)) | cv::Rect(space.cell(cut.b), cv::Size(1, 1)), margin) & cv::Rect({0, 0}, space.occupancy.size());
 }
 
-/// Boxes around what only one of two sets of cuts has; both in order.
-Boxes FloorParter::news_of(const std::vector<CutLine>& before, const std::vector<CutLine>& now, const KnownSpace& space, double margin_m) {
-  std::vector<CutLine> news;
-  std::set_symmetric_difference(before.begin(), before.end(), now.begin(), now.end(), std::back_inserter(news));
-  Boxes out;
-  for (const CutLine& cut : news) out.push_back(box_of(cut, space, margin_m));
-  return out;
-}
-
-Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, std::vector<CutLine> cuts, const Boxes& open) {
-  std::sort(cuts.begin(), cuts.end());
-  Boxes stirred = news_of(drawn_, cuts, space, 0), changed;
-  stirred.insert(stirred.end(), open.begin(), open.end());
+/// Cuts the floor anew where it or the choice changed. @return where that made a difference.
+Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, const CutChoice::Change& change, const Boxes& open) {
+  Boxes stirred = open, changed;
+  for (const CutChoice::Numbers* numbers : {&change.gone, &change.come})
+    for (const std::size_t number : *numbers) stirred.push_back(box_of(choice_[number], space, 0));
   std::vector<cv::Mat1b> before;
+  CutChoice::Numbers near;
   const Boxes parts = windows(stirred, 0, floor.open.size());
   for (const cv::Rect& box : parts) {
     before.push_back(parted_(box).clone());
     floor.open(box).copyTo(parted_(box));
+    const CutChoice::Numbers here = choice_.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), space.resolution_m);
+    near.insert(near.end(), here.begin(), here.end());
   }
-  for (const CutLine& cut : cuts)
-    if (meet(parts, box_of(cut, space, 0)))
-      cv::line(parted_, space.cell(cut.a), space.cell(cut.b), cv::Scalar(0), 1, cv::LINE_8);  // stops a flood over sides
+  for (const std::size_t number : near)
+    cv::line(parted_, space.cell(choice_[number].a), space.cell(choice_[number].b), cv::Scalar(0), 1, cv::LINE_8);  // stops a flood over sides
   for (std::size_t k = 0; k < parts.size(); ++k)
     if (const cv::Rect news = difference(before[k], parted_(parts[k])); news.area() > 0) changed.push_back(news + parts[k].tl());
-  drawn_ = std::move(cuts);
   return changed;
+}
+
+/// Looks again for what is beside cuts that are new or near new pieces of floor. @return all cuts, surest first, with regions of tiles_.
+std::vector<CutOpening> FloorParter::look_beside(const KnownSpace& space, const CutChoice::Change& change) {
+  cuts_.resize(choice_.end());
+  CutChoice::Numbers stale = moved_ ? choice_.chosen() : change.come;
+  for (const int tile : tiles_.new_tiles()) {
+    const cv::Rect box = tiles_.tile_box(tile);
+    const CutChoice::Numbers near = choice_.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), kLookTo_m + 2 * space.resolution_m);
+    stale.insert(stale.end(), near.begin(), near.end());
+  }
+  moved_ = false;
+  std::sort(stale.begin(), stale.end());
+  stale.erase(std::unique(stale.begin(), stale.end()), stale.end());
+  for (const std::size_t number : stale) {
+    cuts_[number].left = place_beside(tiles_, space, choice_[number], 1);
+    cuts_[number].right = place_beside(tiles_, space, choice_[number], -1);
+  }
+  std::vector<CutOpening> cuts;
+  cuts.reserve(choice_.chosen().size());
+  for (const std::size_t number : choice_.chosen())
+    cuts.push_back({choice_[number], number, tiles_.region_of(cuts_[number].left), tiles_.region_of(cuts_[number].right)});
+  return cuts;
 }
 
 /// Clusters of the pieces that the floor was cut into; `cuts` come with pieces at their sides and leave with clusters.
@@ -215,13 +230,33 @@ std::vector<int> FloorParter::number_regions(const std::vector<int>& roots, cons
   return number_of;
 }
 
-/// Where two regions became one, the cut between them is floor again.
-Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, std::vector<CutLine> healed) {
-  std::sort(healed.begin(), healed.end());
-  Boxes stirred = news_of(healed_, healed, space, 0), repainted, changed;
-  for (const cv::Rect& box : stirred) tiles_.each_in(box, [&](int tile) { unpainted_.push_back(tile); });
+/// Gives the cuts the regions' numbers and takes down what each does: part two regions, lie within one, or neither.
+/// @return around those that part two and did not, or the other way round.
+Boxes FloorParter::take_cuts(std::vector<CutOpening>& cuts, const std::vector<int>& number_of, const CutChoice::Change& change, const KnownSpace& space) {
+  Boxes news;
+  const auto becomes = [&](std::size_t number, int role) {
+    const int before = std::exchange(cuts_[number].role, role);
+    if (role == before) return;
+    if (role == kParts || before == kParts) news.push_back(box_of(choice_[number], space, kAroundCut_m));
+    if (role > 0 || before > 0) tiles_.each_in(box_of(choice_[number], space, 0), [&](int tile) { unpainted_.push_back(tile); });
+  };
+  for (const std::size_t number : change.gone) becomes(number, kNone);
+  partition_.cuts.clear();
+  healed_.clear();
+  for (CutOpening& cut : cuts) {
+    for (int* side : {&cut.left, &cut.right}) *side = number_of[static_cast<std::size_t>(*side)];
+    becomes(cut.number, !cut.left || !cut.right ? kNone : cut.parts() ? kParts : cut.left);
+    if (cut.parts()) partition_.cuts.push_back(cut);
+    else if (cut.left && cut.right) healed_.push_back(cut.number);
+  }
+  return news;
+}
+
+/// Where two regions became one, the cut between them is floor again. @return where there is a region now and was none, or the other way round.
+Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space) {
   std::sort(unpainted_.begin(), unpainted_.end());
   unpainted_.erase(std::unique(unpainted_.begin(), unpainted_.end()), unpainted_.end());
+  Boxes repainted, changed;
   std::vector<cv::Mat1i> before;
   std::vector<int> numbers;  // of a tile's pieces; of no piece: 0
   for (const int tile : unpainted_) {
@@ -236,20 +271,21 @@ Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space, std::vecto
       for (int x = box.x; x < box.br().x; ++x) labels[x] = numbers[pieces[x]];
     }
   }
-  for (const CutLine& cut : healed) {
-    if (!meet(repainted, box_of(cut, space, 0))) continue;
+  const cv::Rect all = bounds(repainted);
+  for (const std::size_t number : healed_) {
+    const Gap& cut = choice_[number];
+    const cv::Rect box = box_of(cut, space, 0);
+    if (!meet(all, box) || !meet(repainted, box)) continue;
     cv::LineIterator cells(partition_.labels, space.cell(cut.a), space.cell(cut.b), 8);
     for (int k = 0; k < cells.count; ++k, ++cells)
-      if (floor.open(cells.pos()) && partition_.labels(cells.pos()) == 0) partition_.labels(cells.pos()) = cut.region;
+      if (floor.open(cells.pos()) && partition_.labels(cells.pos()) == 0) partition_.labels(cells.pos()) = cuts_[number].role;
   }
   for (std::size_t k = 0; k < repainted.size(); ++k)
     if (const cv::Rect news = difference(before[k] > 0, partition_.labels(repainted[k]) > 0); news.area() > 0) changed.push_back(news + repainted[k].tl());
-  healed_ = std::move(healed);
   return changed;
 }
 
-Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const std::vector<Opening>& openings, const Boxes& open,
-                          const Boxes& walls_changed) {
+Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const GapNews& news, const Boxes& open, const Boxes& walls_changed) {
   if (floor.open.empty()) return {};
   if (parted_.size() != floor.open.size()) {
     const PartitionOptions options = options_;
@@ -257,17 +293,10 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
     parted_ = cv::Mat1b(floor.open.size(), std::uint8_t{0});
     partition_.labels = cv::Mat1i(floor.open.size(), 0);
   }
-  std::vector<CutOpening> cuts;
-  for (const std::size_t k : choice_.update(openings)) cuts.push_back({openings[k], 0, 0});
-  std::vector<CutLine> lines, kept, healed;
-  for (const CutOpening& cut : cuts) lines.push_back({cut.opening.a, cut.opening.b, 0});
-  const Boxes parted = draw_cuts(floor, space, std::move(lines), open);
+  const CutChoice::Change change = choice_.update(news);
+  const Boxes parted = draw_cuts(floor, space, change, open);
   tiles_.update(parted_, parted);
-  const auto region_at = [&](const cv::Point& c) { return tiles_.at(c); };
-  for (CutOpening& cut : cuts) {
-    cut.left = region_beside(region_at, space, cut.opening, 1);
-    cut.right = region_beside(region_at, space, cut.opening, -1);
-  }
+  std::vector<CutOpening> cuts = look_beside(space, change);
   find_clusters(cuts);
   Boxes around = parted;
   for (const Boxes* more : {&open, &walls_changed}) around.insert(around.end(), more->begin(), more->end());
@@ -275,25 +304,14 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
   slots_.forget(parted);
   const std::set<int> slots = slots_.find(cuts, clusters_, cluster_numbers_, floor, [&](int cluster) { return mask_of(cluster); });
   const std::vector<int> roots = join_clusters(cuts, slots, areas_m2(floor, space, walls));
-  const std::vector<int> number_of = number_regions(roots, slots, cuts);
-
-  partition_.cuts.clear();
-  for (CutOpening& cut : cuts) {
-    cut.left = number_of[static_cast<std::size_t>(cut.left)];
-    cut.right = number_of[static_cast<std::size_t>(cut.right)];
-    if (!cut.left || !cut.right) continue;
-    if (cut.parts()) partition_.cuts.push_back(cut);
-    (cut.parts() ? kept : healed).push_back({cut.opening.a, cut.opening.b, cut.parts() ? 0 : cut.left});
-  }
-  Boxes changed = paint(floor, space, std::move(healed));
-  std::sort(kept.begin(), kept.end());
-  const Boxes news = news_of(kept_, kept, space, kAroundCut_m);
-  changed.insert(changed.end(), news.begin(), news.end());
-  kept_ = std::move(kept);
+  const Boxes cut_news = take_cuts(cuts, number_regions(roots, slots, cuts), change, space);
+  Boxes changed = paint(floor, space);
+  changed.insert(changed.end(), cut_news.begin(), cut_news.end());
   return changed;
 }
 
 void FloorParter::grow(const Growth& growth) {
+  moved_ = true;
   walled_.grow(growth, [](double) {});
   slots_.grow(growth);
   tiles_.grow(growth);
@@ -302,15 +320,15 @@ void FloorParter::grow(const Growth& growth) {
   for (auto& [number, region] : partition_.regions) region.box += growth.shift;
 }
 
-Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, std::vector<Opening> openings,
+Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const std::vector<Opening>& openings,
                      const PartitionOptions& options) {
-  const auto is_unsure = [&](const Opening& opening) { return !options.cuts.take(opening); };
-  openings.erase(std::remove_if(openings.begin(), openings.end(), is_unsure), openings.end());
-  std::stable_sort(openings.begin(), openings.end(), [](const Opening& p, const Opening& q) { return p.probability > q.probability; });
+  GapNews news;
+  for (const Opening& opening : openings)
+    if (options.cuts.take(opening)) news.come.push_back(opening);
   FloorParter parter(options);
   WallSet set;
   set.update(walls);
-  parter.update(floor, space, set, openings, {cv::Rect({0, 0}, floor.open.size())}, {});
+  parter.update(floor, space, set, news, {cv::Rect({0, 0}, floor.open.size())}, {});
   return parter.partition();
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 #include <map>
 #include <set>
-#include <tuple>
 
 #include "common/semantics/cut_choice.hpp"
 #include "common/semantics/memo.hpp"
@@ -43,39 +42,40 @@ class FloorParter {
  public:
   explicit FloorParter(const PartitionOptions& options) : options_(options) {}
 
-  /// @param openings  all that options.cuts take, surest first. @param open, walls_changed  where floor and walls changed since the last call.
+  /// @param news  of the gaps that options.cuts take. @param open, walls_changed  where floor and walls changed since the last call.
   /// @return where there is a region now and was none, or the other way round, and around cuts that are new or gone.
-  Boxes update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const std::vector<Opening>& openings, const Boxes& open,
-               const Boxes& walls_changed);
+  Boxes update(const Floor& floor, const KnownSpace& space, const WallSet& walls, const GapNews& news, const Boxes& open, const Boxes& walls_changed);
   const Partition& partition() const { return partition_; }
   void grow(const Growth& growth);
 
  private:
-  /// What is drawn of a cut: its line, and the region that it heals.
-  struct CutLine {
-    Eigen::Vector2d a, b;
-    int region = 0;
-    auto order() const { return std::tuple(a.x(), a.y(), b.x(), b.y(), region); }
-    bool operator<(const CutLine& o) const { return order() < o.order(); }
+  /// What is kept of a chosen cut.
+  struct Cut {
+    TiledRegions::Place left, right;   ///< beside it
+    int role = kNone;                  ///< or kParts, or the number of the region that it was healed in
   };
+  static constexpr int kNone = 0, kParts = -1;
 
-  static cv::Rect box_of(const CutLine& cut, const KnownSpace& space, double margin_m);
-  static Boxes news_of(const std::vector<CutLine>& before, const std::vector<CutLine>& now, const KnownSpace& space, double margin_m);
-  Boxes draw_cuts(const Floor& floor, const KnownSpace& space, std::vector<CutLine> cuts, const Boxes& open);
+  static cv::Rect box_of(const Gap& cut, const KnownSpace& space, double margin_m);
+  Boxes draw_cuts(const Floor& floor, const KnownSpace& space, const CutChoice::Change& change, const Boxes& open);
+  std::vector<CutOpening> look_beside(const KnownSpace& space, const CutChoice::Change& change);
   void find_clusters(std::vector<CutOpening>& cuts);
   cv::Mat1b mask_of(int cluster) const;
   double walled_share(int cluster, const Floor& floor, const KnownSpace& space, const WallSet& walls) const;
   std::vector<double> areas_m2(const Floor& floor, const KnownSpace& space, const WallSet& walls);
   std::vector<int> join_clusters(const std::vector<CutOpening>& cuts, const std::set<int>& slots, std::vector<double> area_m2) const;
   std::vector<int> number_regions(const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts);
-  Boxes paint(const Floor& floor, const KnownSpace& space, std::vector<CutLine> healed);
+  Boxes take_cuts(std::vector<CutOpening>& cuts, const std::vector<int>& number_of, const CutChoice::Change& change, const KnownSpace& space);
+  Boxes paint(const Floor& floor, const KnownSpace& space);
 
   PartitionOptions options_;
   Partition partition_;
   CutChoice choice_;
   TiledRegions tiles_;
   cv::Mat1b parted_;                            ///< the floor without its cuts
-  std::vector<CutLine> drawn_, kept_, healed_;  ///< of the last round, in order
+  std::vector<Cut> cuts_;                       ///< by number
+  bool moved_ = false;                          ///< the raster grew since the last round
+  CutChoice::Numbers healed_;                   ///< cuts within one region
   std::vector<int> cluster_of_;                 ///< of each region of tiles_, from 1
   std::vector<Region> clusters_;                ///< cluster k stands at k - 1
   std::vector<int> cluster_numbers_;            ///< at k: stays as long as the cluster stays the same
@@ -86,7 +86,7 @@ class FloorParter {
 };
 
 /// All at once, from openings in any order.
-Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, std::vector<Opening> openings,
+Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const std::vector<Opening>& openings,
                      const PartitionOptions& options);
 
 }  // namespace modslam

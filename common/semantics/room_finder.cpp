@@ -15,7 +15,7 @@ constexpr double kDeepestDoorway_m = 0.9;  // ... or this far where the wall is 
 
 /// How far a doorway reaches off its cut, towards n: as far as there is floor before the cut and none beside it, as between thick walls.
 template <class IsFloor>
-double doorway_m(const Opening& cut, const Eigen::Vector2d& n, IsFloor is_floor) {
+double doorway_m(const Gap& cut, const Eigen::Vector2d& n, IsFloor is_floor) {
   constexpr double kJamb_m = 0.15, kStep_m = 0.05;
   const Eigen::Vector2d jamb = kJamb_m * (cut.b - cut.a).normalized();
   double depth_m = kDoorway_m;

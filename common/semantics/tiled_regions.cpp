@@ -49,8 +49,8 @@ class Runs {
 
 }  // namespace
 
-/// Pieces are numbered in the order of their first cells, row by row. Those that stayed as they were are known again.
-void TiledRegions::label(int tile, const cv::Mat1b& mask) {
+/// Pieces are numbered in the order of their first cells, row by row. Those that stayed as they were are known again. @return whether any did not.
+bool TiledRegions::label(int tile, const cv::Mat1b& mask) {
   Tile& t = tiles_[static_cast<std::size_t>(tile)];
   const cv::Rect box = tile_box(tile);
   cv::Mat1w labels = local_(box);
@@ -83,7 +83,7 @@ void TiledRegions::label(int tile, const cv::Mat1b& mask) {
     if (stays) t.pieces[k].known = before[was[k] - 1U].known;
     all_stay = all_stay && stays && was[k] == k + 1;
   }
-  if (!all_stay) t.stamp = round_;
+  return !all_stay;
 }
 
 void TiledRegions::link(int tile) {
@@ -166,7 +166,7 @@ TiledRegions::SetNumbers TiledRegions::number_sets(const std::vector<int>& root_
   }
   for (std::size_t t = 0; t < tiles_.size(); ++t) {
     Tile& tile = tiles_[t];
-    bool is_new = tile.stamp == round_;
+    bool is_new = tile.is_new;
     for (std::size_t k = 0; k < tile.pieces.size(); ++k) {
       const std::size_t root = root_at(tile, k);
       if (sets[root].same) continue;
@@ -180,6 +180,8 @@ TiledRegions::SetNumbers TiledRegions::number_sets(const std::vector<int>& root_
 
 /// By whole tiles.
 void TiledRegions::grow(const Growth& growth) {
+  for (const int tile : new_tiles_) tiles_[static_cast<std::size_t>(tile)].is_new = false;
+  new_tiles_.clear();
   const int columns_before = columns_, rows = (growth.size.height + kTile - 1) / kTile;
   columns_ = columns_in(growth.size);
   std::vector<Tile> tiles(static_cast<std::size_t>(columns_ * rows));
@@ -193,7 +195,8 @@ void TiledRegions::grow(const Growth& growth) {
 }
 
 void TiledRegions::update(const cv::Mat1b& mask, const Boxes& changed) {
-  ++round_;
+  for (const int tile : new_tiles_) tiles_[static_cast<std::size_t>(tile)].is_new = false;
+  new_tiles_.clear();
   if (local_.size() != mask.size()) {
     local_ = cv::Mat1w(mask.size(), std::uint16_t{0});
     columns_ = columns_in(mask.size());
@@ -207,7 +210,11 @@ void TiledRegions::update(const cv::Mat1b& mask, const Boxes& changed) {
       if (tile % columns_ > 0) relink.insert(tile - 1);
       if (tile >= columns_) relink.insert(tile - columns_);
     });
-  for (const int tile : relabel) label(tile, mask);
+  for (const int tile : relabel)
+    if (label(tile, mask)) {
+      tiles_[static_cast<std::size_t>(tile)].is_new = true;
+      new_tiles_.push_back(tile);
+    }
   for (const int tile : relink) link(tile);
   join();
 }

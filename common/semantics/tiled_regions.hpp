@@ -24,11 +24,15 @@ class TiledRegions {
   void grow(const Growth& growth);
   /// In the order of their first cells, tile by tile; region k stands at k - 1.
   const std::vector<Region>& regions() const { return regions_; }
-  /// The region at a cell, from 1; 0: none.
-  int at(const cv::Point& c) const {
-    const int local = local_(c);
-    return local == 0 ? 0 : region_of_[static_cast<std::size_t>(tiles_[static_cast<std::size_t>(tile_of(c))].first + local - 1)];
-  }
+  /// A piece of a tile, from 1; 0: none. Good as long as the tile is not new.
+  struct Place {
+    int tile = 0, piece = 0;
+  };
+  Place at(const cv::Point& c) const { return {tile_of(c), local_(c)}; }
+  /// From 1; 0: none.
+  int region_of(const Place& place) const { return place.piece == 0 ? 0 : regions_in(place.tile)[place.piece - 1]; }
+  /// Tiles whose pieces are not what they were before the last update, rising.
+  const std::vector<int>& new_tiles() const { return new_tiles_; }
   /// Sets of regions may be numbered in two ways side by side.
   enum Kind { kClusters, kRooms, kKinds };
   struct SetNumbers {
@@ -65,20 +69,22 @@ class TiledRegions {
     std::array<Known, kKinds> known;
   };
   struct Tile {
-    int stamp = 0, first = 0;                         ///< when it last changed; place of its first piece among all
+    int first = 0;                                    ///< place of its first piece among all
+    bool is_new = false;                              ///< by the last update
     std::vector<Piece> pieces;
     std::vector<std::pair<int, int>> right, below;    ///< its pieces and those of the neighbour that they meet
   };
   static int columns_in(const cv::Size& size) { return (size.width + kTile - 1) / kTile; }
   int tile_of(const cv::Point& c) const { return c.y / kTile * columns_ + c.x / kTile; }
-  void label(int tile, const cv::Mat1b& mask);
+  bool label(int tile, const cv::Mat1b& mask);
   void link(int tile);
   void join();
 
-  int columns_ = 0, round_ = 0;
+  int columns_ = 0;
   std::array<int, kKinds> last_number_{};
   cv::Mat1w local_;
   std::vector<Tile> tiles_;
+  std::vector<int> new_tiles_;
   std::vector<int> region_of_;  ///< of each piece
   std::vector<Region> regions_;
 };
