@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 namespace modslam {
@@ -22,6 +23,7 @@ constexpr double kThickest_m = 0.65;                       // of a wall
 constexpr double kInwards_m2 = 0.5;
 constexpr double kSmallGroup_m = 4.0;                       // a group of faces this small that nothing joins to others stands alone
 constexpr double kPiece_m = 1.2, kThin_m = 0.35;           // ... unless it is a piece of wall between doors
+constexpr double kMostFloor = 0.3;                         // of the footprint of a thing
 constexpr double kNext_m = kDoor_m + 0.3;                   // faces of one group are this near
 
 double deepest_m(double front_m) {
@@ -84,6 +86,26 @@ bool FurnitureMap::Niche::holds(const Vec& p) const {
 PlanBox FurnitureMap::Niche::box() const {
   const Vec p = origin + low * along, q = origin + high * along, up = depth * out;
   return {(p.cwiseMin(q).cwiseMin(p + up).cwiseMin(q + up)).array() - 0.3, (p.cwiseMax(q).cwiseMax(p + up).cwiseMax(q + up)).array() + 0.3};
+}
+
+std::array<Vec, 4> FurnitureMap::Niche::ring() const {
+  const Vec from = origin + low * along, to = origin + high * along;
+  return {from, to, to + depth * out, from + depth * out};
+}
+
+void FurnitureMap::set_niche(std::size_t number, const std::optional<Niche>& niche) {
+  std::optional<Niche>& known = niches_[number];
+  if (known) {
+    niche_index_.remove(known->box().low, known->box().high, number);
+    fronts_.erase(std::find(fronts_.begin(), fronts_.end(), number));
+  }
+  if (niche) {
+    niche_index_.add(niche->box().low, niche->box().high, number);
+    fronts_.push_back(number);
+  }
+  known = niche;
+  front_[number] = niche.has_value();
+  floor_[number].reset();
 }
 
 /// Behind the front is the nearest wall that is seen beside it and looks the same way, with nothing free between the two.
@@ -160,9 +182,7 @@ void FurnitureMap::find_fronts(const Numbers& numbers, const IsFree& is_free, st
     for (const auto& one : {niches_[k], niche})
       if (one) stirred.push_back(one->box());
     stirred.push_back(box_of(walls_[k]));
-    if (niches_[k]) niche_index_.remove(niches_[k]->box().low, niches_[k]->box().high, k);
-    if (niche) niche_index_.add(niche->box().low, niche->box().high, k);
-    niches_[k] = niche;
+    set_niche(k, niche);
   }
 }
 
@@ -227,27 +247,26 @@ bool FurnitureMap::is_large() const {
   for (const std::size_t k : walls_.numbers()) {
     all.low = all.low.cwiseMin(box_of(walls_[k]).low);
     all.high = all.high.cwiseMax(box_of(walls_[k]).high);
+    if ((all.high - all.low).norm() >= 2 * kSmallGroup_m) return true;
   }
-  return walls_.size() > 0 && (all.high - all.low).norm() >= 2 * kSmallGroup_m;
+  return false;
 }
 
 std::vector<bool> FurnitureMap::update(const std::vector<Wall>& walls, const IsFree& is_free, const std::vector<PlanBox>& changed) {
   const WallSet::News news = walls_.update(walls);
   niches_.resize(walls_.end());
-  side_.resize(walls_.end());
-  lone_.resize(walls_.end());
+  floor_.resize(walls_.end());
+  for (std::vector<char>* flags : {&front_, &side_, &lone_}) flags->resize(walls_.end());
   std::vector<PlanBox> moved;
   for (const Numbers* numbers : {&news.gone, &news.come})
     for (const std::size_t k : *numbers) moved.push_back(box_of(walls_[k]));
   std::vector<PlanBox> stirred = moved;
   for (const std::size_t k : news.gone) {
-    if (niches_[k]) {
-      stirred.push_back(niches_[k]->box());
-      niche_index_.remove(niches_[k]->box().low, niches_[k]->box().high, k);
-    }
-    niches_[k].reset();
+    if (niches_[k]) stirred.push_back(niches_[k]->box());
+    set_niche(k, std::nullopt);
     side_[k] = lone_[k] = false;
   }
+  for (const PlanBox& box : changed) niche_index_.each_near(box.low, box.high, 0, [&](std::size_t k) { floor_[k].reset(); });
   std::vector<PlanBox> seen = moved;
   seen.insert(seen.end(), changed.begin(), changed.end());
   Numbers fronts;
@@ -263,14 +282,14 @@ std::vector<bool> FurnitureMap::update(const std::vector<Wall>& walls, const IsF
   was_large_ = large;
   find_lone_groups(all ? walls_.numbers() : near(stirred, kSmallGroup_m + kNext_m + 0.1));
   std::vector<bool> flags;
+  flags.reserve(walls_.size());
   for (const std::size_t k : walls_.numbers()) flags.push_back(is_part(k) || lone_[k]);
   return flags;
 }
 
-std::vector<std::array<Vec, 4>> FurnitureMap::footprints() const {
+std::vector<std::array<Vec, 4>> FurnitureMap::footprints(const IsFree& is_free) {
   Numbers known;
-  for (const std::size_t k : walls_.numbers())
-    if (niches_[k] && !side_[k]) known.push_back(k);
+  std::copy_if(fronts_.begin(), fronts_.end(), std::back_inserter(known), [&](std::size_t k) { return !side_[k]; });
   const auto order = [&](std::size_t k) {
     const Niche& n = *niches_[k];
     return std::tuple(-n.depth, n.origin.x(), n.origin.y(), n.low, n.high);
@@ -279,14 +298,15 @@ std::vector<std::array<Vec, 4>> FurnitureMap::footprints() const {
   std::vector<char> taken(niches_.size(), false);
   std::vector<std::array<Vec, 4>> out;
   for (const std::size_t k : known) {
-    const Niche& n = *niches_[k];
-    const auto corner = [&](double along, double out_m) -> Vec { return n.origin + along * n.along + out_m * n.out; };
+    const std::array<Vec, 4> ring = niches_[k]->ring();
     // What lies behind another front is the same thing seen twice.
-    const Vec middle = corner(0.5 * (n.low + n.high), 0.5 * n.depth);
-    const Numbers near = niche_index_.near(middle, middle, 0);
-    if (std::any_of(near.begin(), near.end(), [&](std::size_t j) { return taken[j] && niches_[j]->holds(middle); })) continue;
+    const Vec middle = 0.5 * (ring[0] + ring[2]);
+    bool twice = false;
+    niche_index_.each_near(middle, middle, 0, [&](std::size_t j) { twice = twice || (taken[j] && niches_[j]->holds(middle)); });
+    if (twice) continue;
     taken[k] = true;
-    out.push_back({corner(n.low, 0), corner(n.high, 0), corner(n.high, n.depth), corner(n.low, n.depth)});
+    if (!floor_[k]) floor_[k] = floor_share(ring, is_free);
+    if (*floor_[k] < kMostFloor) out.push_back(ring);
   }
   return out;
 }

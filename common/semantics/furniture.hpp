@@ -27,8 +27,9 @@ class FurnitureMap {
   /// @param changed  where answers of is_free may be new since the last call. @return one flag a wall.
   std::vector<bool> update(const std::vector<Wall>& walls, const IsFree& is_free, const std::vector<PlanBox>& changed);
 
-  /// Footprints of what stands before walls: corners of the boxes from the fronts to the walls behind, deepest first. Front's length is from corner 0 to 1.
-  std::vector<std::array<Eigen::Vector2d, 4>> footprints() const;
+  /// Footprints of what stands before walls and is no floor: corners of the boxes from the fronts to the walls behind, deepest first. Front's length is
+  /// from corner 0 to 1. @param is_free  as in the update before.
+  std::vector<std::array<Eigen::Vector2d, 4>> footprints(const IsFree& is_free);
 
  private:
   /// What a front hides: from the line of the wall behind it up to itself.
@@ -37,6 +38,7 @@ class FurnitureMap {
     double low, high, depth;
     bool holds(const Eigen::Vector2d& p) const;
     PlanBox box() const;
+    std::array<Eigen::Vector2d, 4> ring() const;
     bool operator==(const Niche& o) const { return origin == o.origin && along == o.along && low == o.low && high == o.high && depth == o.depth; }
   };
   using Numbers = std::vector<std::size_t>;
@@ -44,7 +46,8 @@ class FurnitureMap {
   std::optional<Niche> niche_of(const Wall& front, const IsFree& is_free) const;
   bool is_wall_behind(const Wall& front, const Wall& back, const Niche& niche) const;
   bool is_side(const Wall& wall) const;
-  bool is_part(std::size_t number) const { return niches_[number] || side_[number]; }
+  bool is_part(std::size_t number) const { return front_[number] || side_[number]; }
+  void set_niche(std::size_t number, const std::optional<Niche>& niche);
   Numbers near(const std::vector<PlanBox>& boxes, double margin_m) const;
   void find_fronts(const Numbers& numbers, const IsFree& is_free, std::vector<PlanBox>& stirred);
   void find_sides(const Numbers& numbers, std::vector<PlanBox>& stirred);
@@ -55,15 +58,17 @@ class FurnitureMap {
 
   WallSet walls_;
   std::vector<std::optional<Niche>> niches_;   ///< by number of the front
-  std::vector<char> side_, lone_;              ///< by number
+  std::vector<char> front_, side_, lone_;      ///< by number; front_: it has a niche
+  std::vector<std::optional<double>> floor_;   ///< by number of the front: share of its footprint that is floor, when asked
+  Numbers fronts_;
   PlanIndex niche_index_{3.2};
   bool was_large_ = false;
 };
 
-/// All at once.
 /// Share of a rectangle that was seen to be floor.
 double floor_share(const std::array<Eigen::Vector2d, 4>& ring, const FurnitureMap::IsFree& is_free);
 
+/// All at once.
 std::vector<bool> find_furniture(const std::vector<Wall>& walls, const FurnitureMap::IsFree& is_free);
 
 }  // namespace modslam

@@ -159,7 +159,10 @@ void Identities::carry_over(const SemanticLayers& before, SemanticLayers& now) {
   keep_ids(now.rooms, before.rooms, next_room_, likeness);
   now.room_events = room_events(before.rooms, now.rooms);
   keep_ids(now.objects, before.objects, next_object_, likeness);
-  for (Room& room : now.rooms) room.name = (room.corridor ? "Corridor " : "Room ") + std::to_string(room.id);
+  for (Room& room : now.rooms) {
+    room.name = room.corridor ? "Corridor " : "Room ";
+    room.name += std::to_string(room.id);
+  }
   join_rooms(now.doors, now.rooms);
 }
 

@@ -13,7 +13,6 @@ namespace {
 constexpr double kAtOutline_m = 0.2;  // walls lie this near the outline of their room
 constexpr double kBehind_m = 0.2;     // a face hides what lies this far behind it
 constexpr double kWholeFront_m = 1.2;  // a shorter front may be what a chair leaves to be seen of a longer one
-constexpr double kMostFloor = 0.3;    // of the footprint of a thing
 constexpr double kNewsTogether_m = 1.0;  // changes this near are looked at as one
 
 WallMapOptions wall_options(const SemanticsConfig& config) {
@@ -204,19 +203,19 @@ Boxes Interpreter::find_hidden(const std::vector<Room>& rooms, const KnownSpace&
     return ring;
   };
   Boxes stirred = open;
-  std::map<int, Ring> rings;
+  for (auto& [region, ring] : known_rings_) ring.stays = false;
   for (const Room& room : rooms) {
-    const auto known = known_rings_.find(room.region);
-    if (known != known_rings_.end() && known->second.outline == room.outline) {
-      rings.insert(known_rings_.extract(known));
-      continue;
-    }
-    const cv::Rect box = grown(cv::boundingRect(ring_of(room.outline, {0, 0})), thick);
-    rings[room.region] = {room.outline, box};
-    stirred.push_back(box);
+    Ring& ring = known_rings_[room.region];
+    ring.stays = true;
+    if (ring.outline == room.outline) continue;
+    stirred.push_back(ring.box);
+    ring = {room.outline, grown(cv::boundingRect(ring_of(room.outline, {0, 0})), thick)};
+    stirred.push_back(ring.box);
   }
-  for (const auto& [region, gone] : known_rings_) stirred.push_back(gone.box);
-  known_rings_ = std::move(rings);
+  for (auto known = known_rings_.begin(); known != known_rings_.end();) {
+    if (!known->second.stays) stirred.push_back(known->second.box);
+    known = known->second.stays ? std::next(known) : known_rings_.erase(known);
+  }
   for (const cv::Rect& box : windows(stirred, 0, hidden_.size())) {
     cv::Mat1b part(box.size(), std::uint8_t{0});
     std::vector<std::vector<cv::Point>> near;
@@ -272,8 +271,7 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   const std::vector<bool> furniture = find_furniture(layers.walls, space, changed);
   keep_those(layers.walls, [&](std::size_t k) { return !furniture[k]; });
   const auto is_free = [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); };
-  for (const auto& ring : furniture_.footprints())
-    if (floor_share(ring, is_free) < kMostFloor) layers.objects.push_back(at_wall(ring));
+  for (const auto& ring : furniture_.footprints(is_free)) layers.objects.push_back(at_wall(ring));
 
   WallSet::News news;
   const Boxes walls = take_walls(layers.walls, space, news);

@@ -52,6 +52,7 @@ class Interpreter {
   struct Ring {
     std::vector<Eigen::Vector2d> outline;
     cv::Rect box;                   ///< of cells around it
+    bool stays = true;              ///< in this round
   };
   std::map<int, Ring> known_rings_; ///< of rooms, by region
   cv::Mat1b hidden_;                ///< inside rooms, off their outlines, and no floor

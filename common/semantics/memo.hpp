@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// @file Answers that are kept until what they were worked out from changes.
 #pragma once
-#include <map>
+#include <unordered_map>
 
 #include "common/semantics/boxes.hpp"
 
@@ -46,7 +46,7 @@ class Memo {
     int round;
     Answer answer;
   };
-  std::map<Key, Kept> kept_;
+  std::unordered_map<Key, Kept> kept_;
   int round_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <unordered_map>
 
 namespace modslam {
 namespace {
@@ -113,7 +114,7 @@ std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, con
 }
 
 void join_rooms(std::vector<Door>& doors, const std::vector<Room>& rooms) {
-  std::map<int, std::int64_t> id_of_region;
+  std::unordered_map<int, std::int64_t> id_of_region;
   for (const Room& room : rooms) id_of_region[room.region] = room.id;
   const auto id = [&](int region) {
     const auto found = id_of_region.find(region);

@@ -46,21 +46,24 @@ WallEnd look_beyond(const KnownSpace& space, const Eigen::Vector2d& p, const Eig
 
 void WallEnds::update(std::vector<Wall>& walls, const WallSet& known, const std::vector<std::size_t>& come, const KnownSpace& space, const Boxes& changed) {
   ends_.resize(known.end());
-  std::vector<bool> is_new(known.end(), false);
-  for (const std::size_t number : come) is_new[number] = true;
-  const cv::Rect all = bounds(changed);
+  const auto look = [&](std::size_t number, bool at_b) {
+    const Wall& wall = known[number];
+    const Eigen::Vector2d u = wall.direction();
+    ends_[number][at_b] = look_beyond(space, at_b ? wall.b : wall.a, at_b ? u : -u, wall.normal());
+  };
+  for (const std::size_t number : come)
+    for (const bool at_b : {false, true}) look(number, at_b);
   const int reach = static_cast<int>(kEndUnseen_m / space.resolution_m) + 2;
+  for (const cv::Rect& box : windows(changed, 0, space.occupancy.size()))
+    for (const std::size_t number : known.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), reach * space.resolution_m))
+      for (const bool at_b : {false, true})
+        if (meet(box, grown(cv::Rect(space.cell(at_b ? known[number].b : known[number].a), cv::Size(1, 1)), reach))) look(number, at_b);
+  const double least_m = floor_m(space);
   for (std::size_t k = 0; k < walls.size(); ++k) {
     Wall& wall = walls[k];
-    const std::size_t number = known.numbers()[k];
-    const auto refresh = [&](WallEnd& end, const Eigen::Vector2d& p, const Eigen::Vector2d& u) {
-      const cv::Rect around = grown(cv::Rect(space.cell(p), cv::Size(1, 1)), reach);
-      if (is_new[number] || (meet(all, around) && meet(changed, around))) end = look_beyond(space, p, u, wall.normal());
-    };
-    refresh(ends_[number][0], wall.a, -wall.direction());
-    refresh(ends_[number][1], wall.b, wall.direction());
-    for (const auto& [at, seen] : {std::pair(&wall.at_a, &ends_[number][0]), std::pair(&wall.at_b, &ends_[number][1])})
-      *at = {std::max(at->across_m, floor_m(space)), seen->along_m, seen->seen};
+    const auto& [at_a, at_b] = ends_[known.numbers()[k]];
+    wall.at_a = {std::max(wall.at_a.across_m, least_m), at_a.along_m, at_a.seen};
+    wall.at_b = {std::max(wall.at_b.across_m, least_m), at_b.along_m, at_b.seen};
   }
 }
 

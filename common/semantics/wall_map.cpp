@@ -172,26 +172,34 @@ std::vector<const WallBand*> WallMap::update(const IsSolid& is_solid, const Fini
   const std::vector<Member> loose = dissolve(around, dissolved);
   std::vector<Chain*> stale;
   for (const Chain& chain : dissolved) keep(chain);
-  for (auto& [first, chain] : chains_)
-    if (is_stirred(chain.from)) {
-      keep(chain);
-      stale.push_back(&chain);
+  auto gone = dissolved.begin();  // both in order
+  entries_.erase(std::remove_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    while (gone != dissolved.end() && gone->members.front() < entry.first) ++gone;
+    return gone != dissolved.end() && gone->members.front() == entry.first;
+  }), entries_.end());
+  for (const Entry& entry : entries_)
+    if (is_stirred(entry.from)) {
+      keep(*entry.chain);
+      stale.push_back(entry.chain);
     }
+  const auto n_stay = static_cast<std::ptrdiff_t>(entries_.size());
   for (std::vector<Member>& members : chains_of(loose)) {
     const Member first = members.front();
     for (const Member& member : members) through_[member.first].insert(first);
     Chain& chain = chains_[first];
     chain.from = surroundings(members);
     chain.members = std::move(members);
+    entries_.push_back({first, chain.from, &chain});
     const auto same = std::find_if(dissolved.begin(), dissolved.end(), [&](const Chain& old) { return old.members == chain.members && old.from == chain.from; });
     const bool stays = same != dissolved.end() && !is_stirred(chain.from) && std::none_of(chain.members.begin(), chain.members.end(), is_fresh);
     if (stays) chain.bands = std::move(same->bands);
     else stale.push_back(&chain);
   }
+  std::inplace_merge(entries_.begin(), entries_.begin() + n_stay, entries_.end(), [](const Entry& p, const Entry& q) { return p.first < q.first; });
   for (Chain* chain : stale) find_walls(*chain, is_solid, finish, known);
   std::vector<const WallBand*> out;
-  for (const auto& [first, chain] : chains_)
-    for (const WallBand& one : chain.bands) out.push_back(&one);
+  for (const Entry& entry : entries_)
+    for (const WallBand& one : entry.chain->bands) out.push_back(&one);
   return out;
 }
 

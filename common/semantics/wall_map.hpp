@@ -57,6 +57,13 @@ class WallMap {
   std::map<Index, Links> links_;               ///< from a block to those after it
   std::map<Member, Chain> chains_;             ///< by first member
   std::map<Index, std::set<Member>> through_;  ///< first members of the chains that have bands in a block
+  /// Of the chains, in their order: what is asked of each of them in every update.
+  struct Entry {
+    Member first;
+    cv::Rect from;
+    Chain* chain;
+  };
+  std::vector<Entry> entries_;
 };
 
 /// Box of cells of 0.05 m from the map's origin around two corners.

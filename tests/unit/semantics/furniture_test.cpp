@@ -112,12 +112,17 @@ TEST_CASE("what stands before a wall has a footprint from its front to the wall,
   const std::vector<Wall> walls = {wall(0, 0, 6, 0), wall(6, 5, 0, 5), wall(2, 0.6, 3.6, 0.6), wall(2.2, 0.5, 3.2, 0.5)};
   FurnitureMap map;
   map.update(walls, nowhere_free, {});
-  const auto found = map.footprints();
+  const auto found = map.footprints(nowhere_free);
   REQUIRE(found.size() == 1);
   REQUIRE((found[0][0] - Eigen::Vector2d(2, 0)).norm() < 1e-9);
   REQUIRE((found[0][2] - Eigen::Vector2d(3.6, 0.6)).norm() < 1e-9);
+  // The floor is asked for again where it is new.
+  const auto all_free = [](const Eigen::Vector2d&) { return true; };
+  REQUIRE(map.footprints(all_free).size() == 1);
+  map.update(walls, nowhere_free, {{Eigen::Vector2d(-1, -1), Eigen::Vector2d(7, 6)}});
+  REQUIRE(map.footprints(all_free).empty());
   map.update({walls[0], walls[1]}, nowhere_free, {});
-  REQUIRE(map.footprints().empty());
+  REQUIRE(map.footprints(nowhere_free).empty());
 }
 
 TEST_CASE("the share of floor in a rectangle, however it lies") {
