@@ -69,7 +69,7 @@ bool DoorStates::stays(State& state, Door& door, std::size_t n_nodes, const std:
 }
 
 void DoorStates::update(const SemanticLayers& before, SemanticLayers& now, std::size_t n_nodes, const std::function<View(std::size_t)>& view) {
-  std::map<std::int64_t, State> states;
+  std::unordered_map<std::int64_t, State> states(now.doors.size());
   for (Door& door : now.doors) {
     auto known = states_.extract(door.id);  // no copy: doors are many
     State& state = known ? states.insert(std::move(known)).position->second : states[door.id];

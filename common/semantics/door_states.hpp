@@ -2,7 +2,7 @@
 /// @file Open or closed: what the scans of all nodes say of each door, the newest most.
 #pragma once
 #include <functional>
-#include <map>
+#include <unordered_map>
 
 #include "common/scan/scan.hpp"
 #include "common/semantics/types.hpp"
@@ -38,7 +38,7 @@ class DoorStates {
   static bool stays(State& state, Door& door, std::size_t n_nodes, const std::function<View(std::size_t)>& view);
   static void ask(State& state, const Door& door, std::size_t n_nodes, const std::function<View(std::size_t)>& view);
 
-  std::map<std::int64_t, State> states_;  ///< by id
+  std::unordered_map<std::int64_t, State> states_;  ///< by id
 };
 
 }  // namespace modslam

@@ -34,6 +34,14 @@ void SemanticMapper::add_node(const Scan& scan, const SensorInfo& sensor, const 
   nodes_.push_back(std::move(node));
 }
 
+void SemanticMapper::set_pose(NodeId id, const Pose2& T_map_base) {
+  const auto k = static_cast<std::size_t>(id);
+  NodeView& node = nodes_[k];
+  node.wanted = T_map_base;
+  if (distance(node.drawn, node.wanted) == 0 && node.drawn.heading == node.wanted.heading) moved_.erase(k);
+  else moved_.insert(k);
+}
+
 void SemanticMapper::draw(const NodeView& node, int sign) {
   if (sign > 0)
     occupancy_.insert(node.scan, node.sensor, node.drawn);
@@ -55,11 +63,16 @@ void SemanticMapper::show(const NodeView& node, Interpreter& interpreter, int si
 
 void SemanticMapper::redraw(bool all) {
   const double limit_m = all ? 0.1 * config_.redraw_m : config_.redraw_m, limit_rad = all ? 0.1 * config_.redraw_rad : config_.redraw_rad;
-  for (NodeView& node : nodes_) {
-    if (distance(node.drawn, node.wanted) <= limit_m && std::abs(wrap_angle(node.drawn.heading - node.wanted.heading)) <= limit_rad) continue;
+  for (auto moved = moved_.begin(); moved != moved_.end();) {
+    NodeView& node = nodes_[*moved];
+    if (distance(node.drawn, node.wanted) <= limit_m && std::abs(wrap_angle(node.drawn.heading - node.wanted.heading)) <= limit_rad) {
+      ++moved;
+      continue;
+    }
     draw(node, -1);
     node.drawn = node.wanted;
     draw(node, 1);
+    moved = moved_.erase(moved);
   }
 }
 

@@ -2,7 +2,7 @@
 /// @file Keeps the semantic map in step with the pose graph (thesis 3.4): what each scan showed is worked out once, in the robot's frame;
 /// after a loop closure only its place changes.
 #pragma once
-#include <map>
+#include <set>
 #include <vector>
 
 #include "common/graph/types.hpp"
@@ -23,7 +23,7 @@ class SemanticMapper {
 
   /// Ids must come in order: 0, 1, 2, ...
   void add_node(const Scan& scan, const SensorInfo& sensor, const Pose2& T_map_base);
-  void set_pose(NodeId id, const Pose2& T_map_base) { nodes_[static_cast<std::size_t>(id)].wanted = T_map_base; }
+  void set_pose(NodeId id, const Pose2& T_map_base);
   /// Works out walls, doors, rooms and objects where something changed; ids of what was there before stay. `settled`: the input has ended.
   const SemanticLayers& update(bool settled);
   /// All of it from the evidence, whatever was known before. Ids are left 0.
@@ -51,6 +51,7 @@ class SemanticMapper {
   KnownSpace space_;
   Interpreter interpreter_;
   std::vector<NodeView> nodes_;
+  std::set<std::size_t> moved_;   ///< nodes that are not drawn just where they are wanted
   SemanticLayers layers_;
   Identities identities_;
   DoorStates door_states_;

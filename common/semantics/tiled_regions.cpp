@@ -2,9 +2,9 @@
 #include "common/semantics/tiled_regions.hpp"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
-#include <set>
 
 namespace modslam {
 
@@ -49,15 +49,14 @@ class Runs {
 
 }  // namespace
 
-/// Pieces are numbered in the order of their first cells, row by row. Those that stayed as they were are known again. @return whether any did not.
-bool TiledRegions::label(int tile, const cv::Mat1b& mask) {
-  Tile& t = tiles_[static_cast<std::size_t>(tile)];
+/// Pieces are numbered in the order of their first cells, row by row. Those that stayed as they were are known again. @param is_new  set when any did not.
+std::vector<TiledRegions::Piece> TiledRegions::label(int tile, const cv::Mat1b& mask, bool& is_new) {
   const cv::Rect box = tile_box(tile);
   cv::Mat1w labels = local_(box);
   const cv::Mat1w labels_before = labels.clone();
-  const std::vector<Piece> before = std::move(t.pieces);
+  const Piece* before = pieces_.begin(tile);
+  std::vector<Piece> now;
   labels.setTo(0);
-  t.pieces.clear();
   const Runs found(mask(box));
   const std::vector<Run>& runs = found.runs();
   std::vector<std::uint16_t> piece(runs.size()), was;  // was: the piece before that all cells of a piece were in
@@ -66,79 +65,74 @@ bool TiledRegions::label(int tile, const cv::Mat1b& mask) {
     const std::size_t root = found.root(k);
     const std::uint16_t *old = labels_before[run.y] + run.begin, *old_end = labels_before[run.y] + run.end;
     if (root == k) {
-      t.pieces.emplace_back();
+      now.emplace_back();
       was.push_back(*old);
-      piece[k] = static_cast<std::uint16_t>(t.pieces.size());
+      piece[k] = static_cast<std::uint16_t>(now.size());
     }
     piece[k] = piece[root];
     std::uint16_t& here = was[piece[k] - 1U];
     if (std::any_of(old, old_end, [&](std::uint16_t one) { return one != here; })) here = 0;
     std::fill(labels[run.y] + run.begin, labels[run.y] + run.end, piece[k]);
-    t.pieces[piece[k] - 1U].cells += run.end - run.begin;
-    t.pieces[piece[k] - 1U].box |= cv::Rect(box.x + run.begin, box.y + run.y, run.end - run.begin, 1);
+    now[piece[k] - 1U].cells += run.end - run.begin;
+    now[piece[k] - 1U].box |= cv::Rect(box.x + run.begin, box.y + run.y, run.end - run.begin, 1);
   }
-  bool all_stay = before.size() == was.size();
-  for (std::size_t k = 0; k < was.size(); ++k) {
-    const bool stays = was[k] > 0 && before[was[k] - 1U].cells == t.pieces[k].cells;
-    if (stays) t.pieces[k].known = before[was[k] - 1U].known;
-    all_stay = all_stay && stays && was[k] == k + 1;
+  is_new = pieces_.size(tile) != now.size();
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    const bool stays = was[k] > 0 && before[was[k] - 1U].cells == now[k].cells;
+    if (stays) now[k].known = before[was[k] - 1U].known;
+    is_new = is_new || !stays || was[k] != k + 1;
   }
-  return !all_stay;
+  return now;
 }
 
-void TiledRegions::link(int tile) {
-  Tile& t = tiles_[static_cast<std::size_t>(tile)];
-  const cv::Rect box = tile_box(tile);
-  const auto meetings = [&](const cv::Point& from, const cv::Point& step, int count, const cv::Point& across) {
-    std::vector<std::pair<int, int>> out;
-    for (int k = 0; k < count; ++k) {
-      const cv::Point c = from + k * step;
-      const std::pair<int, int> both(local_(c), local_(c + across));
-      if (both.first && both.second && (out.empty() || out.back() != both)) out.push_back(both);
-    }
-    return out;
-  };
-  t.right.clear();
-  t.below.clear();
-  if (box.br().x < local_.cols) t.right = meetings({box.br().x - 1, box.y}, {0, 1}, box.height, {1, 0});
-  if (box.br().y < local_.rows) t.below = meetings({box.x, box.br().y - 1}, {1, 0}, box.width, {0, 1});
+/// Of the cells along a border, and those across it.
+TiledRegions::Meetings TiledRegions::meetings(const cv::Point& from, const cv::Point& step, int count, const cv::Point& across) const {
+  Meetings out;
+  for (int k = 0; k < count; ++k) {
+    const cv::Point c = from + k * step;
+    const Meetings::value_type both(local_(c), local_(c + across));
+    if (both.first && both.second && (out.empty() || out.back() != both)) out.push_back(both);
+  }
+  return out;
+}
+
+void TiledRegions::link(const std::set<int>& tiles) {
+  std::map<int, Meetings> right, below;
+  for (const int tile : tiles) {
+    const cv::Rect box = tile_box(tile);
+    if (box.br().x < local_.cols) right[tile] = meetings({box.br().x - 1, box.y}, {0, 1}, box.height, {1, 0});
+    if (box.br().y < local_.rows) below[tile] = meetings({box.x, box.br().y - 1}, {1, 0}, box.width, {0, 1});
+  }
+  right_.replace(right);
+  below_.replace(below);
 }
 
 void TiledRegions::join() {
-  int pieces = 0;
-  for (Tile& tile : tiles_) {
-    tile.first = pieces;
-    pieces += static_cast<int>(tile.pieces.size());
-  }
-  std::vector<int> parent(static_cast<std::size_t>(pieces));
+  std::vector<int> parent(pieces_.all().size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int k) {
     while (parent[static_cast<std::size_t>(k)] != k) k = parent[static_cast<std::size_t>(k)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(k)])];
     return k;
   };
-  const auto unite = [&](const Tile& p, const Tile& q, const std::vector<std::pair<int, int>>& meetings) {
-    for (const auto& [a, b] : meetings) {
-      const int x = root(p.first + a - 1), y = root(q.first + b - 1);
-      parent[static_cast<std::size_t>(std::max(x, y))] = std::min(x, y);
-    }
-  };
-  for (std::size_t k = 0; k < tiles_.size(); ++k) {
-    if (!tiles_[k].right.empty()) unite(tiles_[k], tiles_[k + 1], tiles_[k].right);
-    if (!tiles_[k].below.empty()) unite(tiles_[k], tiles_[k + static_cast<std::size_t>(columns_)], tiles_[k].below);
-  }
-  region_of_.assign(static_cast<std::size_t>(pieces), 0);
-  regions_.clear();
-  for (const Tile& tile : tiles_)
-    for (std::size_t piece = 0; piece < tile.pieces.size(); ++piece) {
-      const int here = tile.first + static_cast<int>(piece), top = root(here);
-      if (top == here) {
-        regions_.emplace_back();
-        region_of_[static_cast<std::size_t>(here)] = static_cast<int>(regions_.size());
+  for (const auto& [meetings, apart] : {std::pair(&right_, 1), std::pair(&below_, columns_)})
+    for (int tile = 0; tile < tile_count_; ++tile)
+      for (const auto* both = meetings->begin(tile); both != meetings->end(tile); ++both) {
+        const int x = root(static_cast<int>(pieces_.first(tile)) + both->first - 1), y = root(static_cast<int>(pieces_.first(tile + apart)) + both->second - 1);
+        parent[static_cast<std::size_t>(std::max(x, y))] = std::min(x, y);
       }
-      const int region = region_of_[static_cast<std::size_t>(here)] = region_of_[static_cast<std::size_t>(top)];
-      regions_[static_cast<std::size_t>(region - 1)].cells += tile.pieces[piece].cells;
-      regions_[static_cast<std::size_t>(region - 1)].box |= tile.pieces[piece].box;
+  region_of_.assign(parent.size(), 0);
+  regions_.clear();
+  for (std::size_t k = 0; k < parent.size(); ++k) {
+    const auto top = static_cast<std::size_t>(root(static_cast<int>(k)));
+    if (top == k) {
+      regions_.emplace_back();
+      region_of_[k] = static_cast<int>(regions_.size());
     }
+    region_of_[k] = region_of_[top];
+    Region& region = regions_[static_cast<std::size_t>(region_of_[k] - 1)];
+    region.cells += pieces_.all()[k].cells;
+    region.box |= pieces_.all()[k].box;
+  }
 }
 
 /// A set is the same when all its pieces say that they were in one set, and that it had as many.
@@ -149,58 +143,52 @@ TiledRegions::SetNumbers TiledRegions::number_sets(const std::vector<int>& root_
     bool same = true;
   };
   std::vector<Set> sets(root_of.size());
-  const auto root_at = [&](const Tile& tile, std::size_t k) { return static_cast<std::size_t>(root_of[static_cast<std::size_t>(region_of_[static_cast<std::size_t>(tile.first) + k])]); };
-  for (const Tile& tile : tiles_)
-    for (std::size_t k = 0; k < tile.pieces.size(); ++k) {
-      Set& set = sets[root_at(tile, k)];
-      const Known& known = tile.pieces[k].known[kind];
-      if (set.pieces++ == 0) set.before = known;
-      else set.same = set.same && known == set.before;
-    }
-  SetNumbers numbers{std::vector<int>(sets.size(), 0), {}};
+  std::vector<Piece>& pieces = pieces_.all();
+  const auto set_of = [&](std::size_t piece) -> Set& { return sets[static_cast<std::size_t>(root_of[static_cast<std::size_t>(region_of_[piece])])]; };
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    Set& set = set_of(k);
+    const Known& known = pieces[k].known[kind];
+    if (set.pieces++ == 0) set.before = known;
+    else set.same = set.same && known == set.before;
+  }
+  SetNumbers numbers{std::vector<int>(sets.size(), 0), new_tiles_};
   for (std::size_t k = 1; k < sets.size(); ++k) {
     Set& set = sets[k];
     if (set.pieces == 0) continue;
     set.same = set.same && set.before.number > 0 && set.before.pieces == set.pieces;
-    numbers.of_root[k] = set.same ? set.before.number : ++last_number_[kind];
+    if (!set.same) set.before = {++last_number_[kind], set.pieces};
+    numbers.of_root[k] = set.before.number;
   }
-  for (std::size_t t = 0; t < tiles_.size(); ++t) {
-    Tile& tile = tiles_[t];
-    bool is_new = tile.is_new;
-    for (std::size_t k = 0; k < tile.pieces.size(); ++k) {
-      const std::size_t root = root_at(tile, k);
-      if (sets[root].same) continue;
-      is_new = true;
-      tile.pieces[k].known[kind] = {numbers.of_root[root], sets[root].pieces};
-    }
-    if (is_new) numbers.new_in.push_back(static_cast<int>(t));
+  int tile = 0;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const Set& set = set_of(k);
+    if (set.same) continue;
+    pieces[k].known[kind] = set.before;
+    while (pieces_.first(tile + 1) <= k) ++tile;
+    numbers.new_in.push_back(tile);
   }
   return numbers;
 }
 
 /// By whole tiles.
 void TiledRegions::grow(const Growth& growth) {
-  for (const int tile : new_tiles_) tiles_[static_cast<std::size_t>(tile)].is_new = false;
-  new_tiles_.clear();
-  const int columns_before = columns_, rows = (growth.size.height + kTile - 1) / kTile;
+  const int columns_before = columns_;
   columns_ = columns_in(growth.size);
-  std::vector<Tile> tiles(static_cast<std::size_t>(columns_ * rows));
-  for (std::size_t k = 0; k < tiles_.size(); ++k) {
-    const int row = static_cast<int>(k) / columns_before + growth.shift.y / kTile, column = static_cast<int>(k) % columns_before + growth.shift.x / kTile;
-    Tile& tile = tiles[static_cast<std::size_t>(row * columns_ + column)] = std::move(tiles_[k]);
-    for (Piece& piece : tile.pieces) piece.box += growth.shift;
-  }
-  tiles_ = std::move(tiles);
+  tile_count_ = columns_ * rows_in(growth.size);
+  pieces_.grow(columns_before, columns_, rows_in(growth.size), growth.shift.x / kTile, growth.shift.y / kTile);
+  for (TileLists<Meetings::value_type>* lists : {&right_, &below_}) lists->grow(columns_before, columns_, rows_in(growth.size), growth.shift.x / kTile, growth.shift.y / kTile);
+  for (Piece& piece : pieces_.all()) piece.box += growth.shift;
   local_ = grown(local_, growth, 0);
 }
 
 void TiledRegions::update(const cv::Mat1b& mask, const Boxes& changed) {
-  for (const int tile : new_tiles_) tiles_[static_cast<std::size_t>(tile)].is_new = false;
   new_tiles_.clear();
   if (local_.size() != mask.size()) {
     local_ = cv::Mat1w(mask.size(), std::uint16_t{0});
     columns_ = columns_in(mask.size());
-    tiles_.assign(static_cast<std::size_t>(columns_ * ((mask.rows + kTile - 1) / kTile)), {});
+    tile_count_ = columns_ * rows_in(mask.size());
+    pieces_ = TileLists<Piece>(tile_count_);
+    right_ = below_ = TileLists<Meetings::value_type>(tile_count_);
   }
   std::set<int> relabel, relink;
   for (const cv::Rect& box : changed)
@@ -210,12 +198,14 @@ void TiledRegions::update(const cv::Mat1b& mask, const Boxes& changed) {
       if (tile % columns_ > 0) relink.insert(tile - 1);
       if (tile >= columns_) relink.insert(tile - columns_);
     });
-  for (const int tile : relabel)
-    if (label(tile, mask)) {
-      tiles_[static_cast<std::size_t>(tile)].is_new = true;
-      new_tiles_.push_back(tile);
-    }
-  for (const int tile : relink) link(tile);
+  std::map<int, std::vector<Piece>> pieces;
+  for (const int tile : relabel) {
+    bool is_new = false;
+    pieces[tile] = label(tile, mask, is_new);
+    if (is_new) new_tiles_.push_back(tile);
+  }
+  pieces_.replace(pieces);
+  link(relink);
   join();
 }
 

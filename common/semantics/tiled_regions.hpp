@@ -2,9 +2,11 @@
 /// @file Connected regions of a raster, tile by tile: only tiles that changed are looked at again, and tiles are joined by what meets at their borders.
 #pragma once
 #include <array>
+#include <set>
 #include <vector>
 
 #include "common/semantics/boxes.hpp"
+#include "common/semantics/tile_lists.hpp"
 
 namespace modslam {
 
@@ -37,7 +39,7 @@ class TiledRegions {
   enum Kind { kClusters, kRooms, kKinds };
   struct SetNumbers {
     std::vector<int> of_root;
-    std::vector<int> new_in;   ///< tiles of which pieces or their numbers are not what they were in the call before, rising
+    std::vector<int> new_in;   ///< tiles of which pieces or their numbers are not what they were in the call before; some more than once
   };
   /// @param root_of  the set of each region, from 1, at 0 nothing. @return a number for each root; a set that is made of the same pieces as one of the call
   /// before has its number.
@@ -52,8 +54,8 @@ class TiledRegions {
   }
   cv::Rect tile_box(int tile) const { return cv::Rect(tile % columns_ * kTile, tile / columns_ * kTile, kTile, kTile) & cv::Rect({0, 0}, local_.size()); }
   /// How many pieces a tile has, and the regions of these.
-  int pieces_in(int tile) const { return static_cast<int>(tiles_[static_cast<std::size_t>(tile)].pieces.size()); }
-  const int* regions_in(int tile) const { return region_of_.data() + tiles_[static_cast<std::size_t>(tile)].first; }
+  int pieces_in(int tile) const { return static_cast<int>(pieces_.size(tile)); }
+  const int* regions_in(int tile) const { return region_of_.data() + pieces_.first(tile); }
   /// The pieces in a row of cells, each from 1 in its own tile; 0: none.
   const std::uint16_t* pieces(int row) const { return local_[row]; }
 
@@ -68,22 +70,20 @@ class TiledRegions {
     cv::Rect box;
     std::array<Known, kKinds> known;
   };
-  struct Tile {
-    int first = 0;                                    ///< place of its first piece among all
-    bool is_new = false;                              ///< by the last update
-    std::vector<Piece> pieces;
-    std::vector<std::pair<int, int>> right, below;    ///< its pieces and those of the neighbour that they meet
-  };
+  using Meetings = std::vector<std::pair<std::uint16_t, std::uint16_t>>;   ///< pieces of a tile and those of a neighbour
   static int columns_in(const cv::Size& size) { return (size.width + kTile - 1) / kTile; }
+  static int rows_in(const cv::Size& size) { return (size.height + kTile - 1) / kTile; }
   int tile_of(const cv::Point& c) const { return c.y / kTile * columns_ + c.x / kTile; }
-  bool label(int tile, const cv::Mat1b& mask);
-  void link(int tile);
+  std::vector<Piece> label(int tile, const cv::Mat1b& mask, bool& is_new);
+  Meetings meetings(const cv::Point& from, const cv::Point& step, int count, const cv::Point& across) const;
+  void link(const std::set<int>& tiles);
   void join();
 
-  int columns_ = 0;
+  int columns_ = 0, tile_count_ = 0;
   std::array<int, kKinds> last_number_{};
   cv::Mat1w local_;
-  std::vector<Tile> tiles_;
+  TileLists<Piece> pieces_;
+  TileLists<Meetings::value_type> right_, below_;   ///< of a tile and its neighbour to that side
   std::vector<int> new_tiles_;
   std::vector<int> region_of_;  ///< of each piece
   std::vector<Region> regions_;
