@@ -66,6 +66,11 @@ Json to_json(const DoorScores& s) {
   return json;
 }
 
+Json to_json(const WallEndScores& s) {
+  return {{"told", s.told}, {"on_face", s.on_face}, {"along_m", to_json(s.along_m)}, {"across_m", to_json(s.across_m)}, {"along_within", s.along_within},
+          {"across_within", s.across_within}};
+}
+
 Json to_json(const ObjectScores& s) {
   return {{"found", s.found}, {"matched", s.matched}, {"truth", s.truth}, {"named", s.named}, {"named_right", s.named_right}};
 }
@@ -94,7 +99,7 @@ Json to_json(const TruthScores& s) {
 }
 
 Json to_json(const SemanticScores& s) {
-  return {{"walls", to_json(s.walls)}, {"rooms", to_json(s.rooms)}, {"doors", to_json(s.doors)}, {"objects", to_json(s.objects)}};
+  return {{"walls", to_json(s.walls)}, {"wall_ends", to_json(s.wall_ends)}, {"rooms", to_json(s.rooms)}, {"doors", to_json(s.doors)}, {"objects", to_json(s.objects)}};
 }
 
 }  // namespace modslam

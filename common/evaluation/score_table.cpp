@@ -72,6 +72,10 @@ std::string to_table(const SemanticScores& s) {
   out += row("  found %.1f m in %zu pieces; true %.1f m in %zu, seen %.1f m; median error %.3f m",
              s.walls.found_m, s.walls.found_segments, s.walls.truth_m, s.walls.truth_segments,
              s.walls.visible_m, s.walls.median_error_m);
+  if (s.wall_ends.told > 0)
+    out += row("wall ends: %zu told, %zu of them on a true face; off by %.3f m along it (median; 95 %%: %.2f), %.0f %% within two sigma; across %.3f m, %.0f %%",
+               s.wall_ends.told, s.wall_ends.on_face, s.wall_ends.along_m.median, s.wall_ends.along_m.p95, 100 * s.wall_ends.along_within,
+               s.wall_ends.across_m.median, 100 * s.wall_ends.across_within);
   out += precision_row("rooms, IoU 0.5", s.rooms.at_half);
   out +=
       row("  found %zu, %zu of them right, %zu in unseen space; true %zu, explored %zu; mean IoU "

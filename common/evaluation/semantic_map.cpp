@@ -70,13 +70,24 @@ MapDoor door_of(const json& properties, const json& geometry) {
   return door;
 }
 
+std::vector<MapWallEnd> ends_of(const json& told) {
+  std::vector<MapWallEnd> ends;
+  for (const json& end : told) {
+    ends.push_back({end.at("across_m").get<double>(), end.at("along_m").get<double>(), end.at("seen").get<bool>()});
+    if (!(ends.back().across_m > 0 && ends.back().along_m > 0)) throw std::runtime_error("has an end without a standard deviation");
+  }
+  if (ends.size() != 0 && ends.size() != 2) throw std::runtime_error("has " + std::to_string(ends.size()) + " ends, expected 2");
+  return ends;
+}
+
 void add_walls(const json& properties, const json& geometry, SemanticMap& map) {
   const Ring line = line_of(geometry);
   const double thickness_m = properties.value("thickness_m", properties.value("thickness", 0.0));
   if (!(thickness_m >= 0 && thickness_m < 5))
     throw std::runtime_error("has a thickness outside [0, 5) m");
   for (std::size_t i = 1; i < line.size(); ++i)
-    map.walls.push_back({line[i - 1], line[i], thickness_m});
+    map.walls.push_back({line[i - 1], line[i], thickness_m, {}});
+  if (line.size() == 2) map.walls.back().ends = ends_of(properties.value("ends", json::array()));
 }
 
 void add_feature(const json& feature, SemanticMap& map) {

@@ -10,10 +10,17 @@
 
 namespace modslam {
 
+/// Standard deviations of where a wall ends.
+struct MapWallEnd {
+  double across_m = 0, along_m = 0;
+  bool seen = false;  ///< what comes after it was seen
+};
+
 struct MapWall {
   Eigen::Vector2d a, b;
   double thickness_m =
       0;  ///< > 0: a and b are its middle line, and its two faces are what a laser sees
+  std::vector<MapWallEnd> ends{};  ///< at a and b; none: nothing is told of them
 };
 
 /// A region with holes, such as a corridor that runs round a block. Rings are not repeated at their

@@ -207,7 +207,7 @@ ObjectScores score_objects(const SemanticMap& found, const SemanticMap& truth) {
 SemanticScores score_semantics(const SemanticMap& found, const SemanticMap& truth,
                                const Visibility& visibility) {
   const RoomScores rooms = score_rooms(found, truth, visibility);
-  return {score_walls(found, truth, visibility), rooms, score_doors(found, truth, visibility, rooms), score_objects(found, truth)};
+  return {score_walls(found, truth, visibility), score_wall_ends(found, truth), rooms, score_doors(found, truth, visibility, rooms), score_objects(found, truth)};
 }
 
 }  // namespace modslam

@@ -5,6 +5,7 @@
 
 #include "common/evaluation/semantic_map.hpp"
 #include "common/evaluation/visibility.hpp"
+#include "common/evaluation/wall_end_scores.hpp"
 
 namespace modslam {
 
@@ -68,6 +69,7 @@ ObjectScores score_objects(const SemanticMap& found, const SemanticMap& truth);
 
 struct SemanticScores {
   WallScores walls;
+  WallEndScores wall_ends;
   RoomScores rooms;
   DoorScores doors;
   ObjectScores objects;
