@@ -31,7 +31,7 @@ WallEnd look_beyond(const KnownSpace& space, const Eigen::Vector2d& p, const Eig
   for (int k = -static_cast<int>(kBack_m / step_m); k <= last; ++k) {
     const double s = k * step_m;
     const Eigen::Vector2d q = p + s * u;
-    if (occupied(q + kAside_m * normal) && occupied(q + (kAside_m + cell_m) * normal)) return between(s - step_m, s + step_m, space);
+    if (occupied(q + kAside_m * normal) && occupied(q + (kAside_m + cell_m) * normal)) return between(s - step_m, s + cell_m, space);
     if (occupied(q) || occupied(q + cell_m * normal) || occupied(q - cell_m * normal)) {
       supported = s;
       ends = false;
@@ -39,7 +39,7 @@ WallEnd look_beyond(const KnownSpace& space, const Eigen::Vector2d& p, const Eig
       free = s;
       ends = true;
     }
-    if (ends && k >= 0) return between(supported, free, space);
+    if (ends && k >= 0) return between(supported - cell_m, free, space);  // somewhere in the last cell that something was hit in
   }
   return {0, kEndUnseen_m, false};
 }

@@ -12,8 +12,9 @@ namespace modslam {
 /// So far is looked for the end of a wall; of one that is not seen to end nearer, no more is said than this.
 constexpr double kEndUnseen_m = 1.0;
 
-/// What lies in direction `u` beyond a wall's end p; `normal` points to the side that the wall was seen from. The wall ends somewhere between its last
-/// occupied cell and the first free one, or at the face that it meets: along_m is the rms distance of p from there. across_m is left 0.
+/// What lies in direction `u` beyond a wall's end p; `normal` points to the side that the wall was seen from. The wall ends somewhere from the
+/// beginning of its last occupied cell to the first free one, or in the first cell of the face that it meets: along_m is the rms distance of p from there.
+/// across_m is left 0.
 WallEnd look_beyond(const KnownSpace& space, const Eigen::Vector2d& p, const Eigen::Vector2d& u, const Eigen::Vector2d& normal);
 
 /// Keeps what is known of the walls' ends in step with the map.

@@ -123,6 +123,15 @@ def objects_line(tours, estimator):
     return "Objects, where footprints overlap by 0.3: " + "; ".join(words) + "."
 
 
+def ends_line(tours, estimator):
+    """Where walls end, over all buildings: ends on true faces, weighted by their number."""
+    ends = [s[estimator]["wall_ends"] for _, s in tours if estimator in s]
+    on_face = sum(e["on_face"] for e in ends)
+    mean = lambda figure: sum(e["on_face"] * figure(e) for e in ends) / max(1, on_face)
+    return (f"Ends of walls: {sum(e['told'] for e in ends)} told as seen, {on_face} of them on a true face; off along it by {100 * mean(lambda e: e['along_m']['median']):.1f} cm "
+            f"(median), within two of the told standard deviations {percent(mean(lambda e: e['along_within']))} along, {percent(mean(lambda e: e['across_within']))} across.")
+
+
 def section(tours, found):
     text = ["One parameter set; the trees that judge openings were trained on these buildings. All figures in per cent: rooms match at half overlap, doors within",
             "0.5 m, walls within 0.10 m by length.", ""]
@@ -132,7 +141,7 @@ def section(tours, found):
             text += [f"Simulated tours through every room, {words}:", "", table(["building"] + TOUR_HEAD, rows)[0], ""]
             lone = sum(s[estimator]["rooms"]["false_in_unseen"] for _, s in tours if estimator in s)
             text += [f"Rooms found where no beam ever crossed half of the floor: {lone}.", ""]
-            text += [objects_line(tours, estimator), ""]
+            text += [ends_line(tours, estimator), "", objects_line(tours, estimator), ""]
     for kind, (words, more) in KINDS.items():
         rows = [map_row(m["name"], kind, m) for m in found if m["kind"] == kind]
         if rows:
