@@ -126,8 +126,8 @@ void drop_doors_to_glimpses(std::vector<Door>& doors, const Partition& partition
 
 }  // namespace
 
-Interpreter::Interpreter(const SemanticsConfig& config)
-    : config_(config), walls_(wall_options(config)), openings_(config.opening_max_m, OpeningModel(config.opening_trees)), parter_(parting_options(config)),
+Interpreter::Interpreter(const SemanticsConfig& config, OpeningModel::Kind kind)
+    : config_(config), walls_(wall_options(config)), openings_(config.opening_max_m, OpeningModel(config.opening_trees, kind)), parter_(parting_options(config)),
       rooms_(room_options(config)) {}
 
 /// What is kept in cells moves with the raster's corner when that grows; nothing else is new by it.

@@ -19,7 +19,7 @@ class Interpreter {
  public:
   using LogOdds = std::function<double(const Eigen::Vector2d&)>;
 
-  explicit Interpreter(const SemanticsConfig& config);
+  explicit Interpreter(const SemanticsConfig& config, OpeningModel::Kind kind = OpeningModel::Kind::kSensed);
 
   /// What a scan showed, map frame; sign -1 takes it back.
   void add(const Segment& segment, int sign) { walls_.add(segment, sign); }

@@ -16,6 +16,7 @@ namespace {
 constexpr double kCell_m = 0.05, kRange_m = 12.0, kApart_m = 1.0, kRoom_m = 0.25;
 constexpr double kFringe_m = 0.15;  // unknown cells that a beam crosses: smoothed maps have them between floor and wall
 constexpr int kBeams = 360;
+constexpr double kWallBeside_m = 0.15, kMostOpen = 0.02;  // maps of a robot have 0.05 to 0.2, finished ones below 0.005
 
 /// What a laser at `eye` would measure in the map; 0 where a beam meets nothing.
 Scan look_around(const KnownSpace& space, const Eigen::Vector2d& eye) {
@@ -61,6 +62,26 @@ std::vector<Eigen::Vector2d> places(const Floor& floor, const KnownSpace& space)
 
 }  // namespace
 
+double open_rim(const KnownSpace& space) {
+  if (space.empty()) return 0;
+  const cv::Mat1b &known = space.occupancy, free = (known > 0) & (known < 128);
+  // From a corner on: around the map nothing is known.
+  cv::Mat1b world;
+  cv::copyMakeBorder(known == 0, world, 1, 1, 1, 1, cv::BORDER_CONSTANT, 255);
+  cv::floodFill(world, cv::Point(0, 0), cv::Scalar(1));
+  world = (world == 1)(cv::Rect(cv::Point(1, 1), known.size()));
+  const auto beside = [](const cv::Mat1b& mask, int cells) {
+    cv::Mat1b out;
+    cv::dilate(mask, out, cv::getStructuringElement(cv::MORPH_RECT, {2 * cells + 1, 2 * cells + 1}));
+    return out;
+  };
+  const cv::Mat1b rim = free & beside(~free, 1), walled = beside(known >= 128, static_cast<int>(std::lround(kWallBeside_m / space.resolution_m)));
+  const int cells = cv::countNonZero(rim);
+  return cells > 0 ? static_cast<double>(cv::countNonZero(rim & beside(world, 1) & ~walled)) / cells : 0;
+}
+
+OpeningModel::Kind kind_of(const KnownSpace& space) { return open_rim(space) > kMostOpen ? OpeningModel::Kind::kSensed : OpeningModel::Kind::kFinished; }
+
 AnnotatedMap annotate(const MapImage& map, const SemanticsConfig& config) {
   AnnotatedMap out{{}, KnownSpace(map, kCell_m)};
   if (out.space.empty()) return out;
@@ -68,7 +89,7 @@ AnnotatedMap annotate(const MapImage& map, const SemanticsConfig& config) {
   SensorInfo sensor;
   sensor.range_max_m = kRange_m;
   EvidenceGrid grid(kCell_m);
-  Interpreter interpreter(config);
+  Interpreter interpreter(config, kind_of(out.space));
   HoughOptions hough;
   hough.min_length_m = config.line_min_m;
   DoorSensorOptions doors;

@@ -14,13 +14,26 @@ namespace {
 
 using Node = OpeningModel::Node;
 
+namespace sensed {
 #include "common/semantics/opening_trees.inc"
+}
+namespace finished {
+#include "common/semantics/finished_opening_trees.inc"
+}
 
 }  // namespace
 
-OpeningModel::OpeningModel() : bias_(kBias), roots_(std::begin(kRoots), std::end(kRoots)), nodes_(std::begin(kNodes), std::end(kNodes)) {}
+OpeningModel::OpeningModel(Kind kind) {
+  const auto take = [&](double bias, const auto& roots, const auto& nodes) {
+    bias_ = bias;
+    roots_.assign(std::begin(roots), std::end(roots));
+    nodes_.assign(std::begin(nodes), std::end(nodes));
+  };
+  if (kind == Kind::kSensed) take(sensed::kBias, sensed::kRoots, sensed::kNodes);
+  else take(finished::kBias, finished::kRoots, finished::kNodes);
+}
 
-OpeningModel::OpeningModel(const std::string& path) : OpeningModel() {
+OpeningModel::OpeningModel(const std::string& path, Kind kind) : OpeningModel(kind) {
   if (path.empty()) return;
   std::istringstream in(read_file_bytes(path).bytes);
   bias_ = 0;

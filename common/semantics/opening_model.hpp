@@ -19,11 +19,14 @@ class OpeningModel {
     float value;
   };
 
-  /// The shipped trees, opening_trees.inc; `./run.sh train semantics` makes them anew.
-  OpeningModel();
+  /// Maps that a robot makes show what it happened to see; in finished ones, drawn or mapped to the end, all walls stand.
+  enum class Kind { kSensed, kFinished };
+
+  /// The shipped trees, opening_trees.inc and finished_opening_trees.inc; `./run.sh train semantics` makes them anew.
+  explicit OpeningModel(Kind kind = Kind::kSensed);
   /// Trees from a file that training wrote: "bias B", then "root K" and "node FEATURE BOUND LEFT RIGHT VALUE" lines. "": the shipped ones.
   /// @throws std::runtime_error naming file and line.
-  explicit OpeningModel(const std::string& path);
+  explicit OpeningModel(const std::string& path, Kind kind = Kind::kSensed);
 
   /// 0..1. @param features  kOpeningFeatures numbers.
   double probability(const float* features) const;

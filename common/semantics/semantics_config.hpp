@@ -36,7 +36,7 @@ struct SemanticsConfig {
     v.integer("wall_sightings", wall_sightings, 1, 100, "", "Scans that must have seen each stretch of a wall.");
     v.number("opening_max_m", opening_max_m, 0.5, 10, "m", "Widest opening at which the floor is cut into rooms.");
     v.number("opening_probability", opening_probability, 0.01, 0.99, "", "How sure an opening must part two rooms.");
-    v.text("opening_trees", opening_trees, "File with other trees that judge openings (`./run.sh train semantics` writes such); empty: the built-in ones.");
+    v.text("opening_trees", opening_trees, "File with other trees that judge openings (`./run.sh train semantics` writes such); empty: the built-in ones, for maps of a robot and for finished ones.");
     v.number("door_min_m", door_min_m, 0.2, 5, "m", "Narrowest door.");
     v.number("door_max_m", door_max_m, 0.3, 10, "m", "Widest door; wider openings part rooms without being doors.");
     v.number("room_min_m2", room_min_m2, 0.2, 100, "m^2", "Smallest room.");

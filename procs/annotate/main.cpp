@@ -19,7 +19,8 @@ using namespace modslam;
 /// Every opening with its features, one a line: what `train semantics` learns from.
 std::string openings_csv(const KnownSpace& space, const std::vector<Wall>& walls, const SemanticsConfig& config) {
   std::ostringstream out;
-  for (const Opening& o : find_openings(make_floor(space, config.object_max_m2), space, walls, config.opening_max_m, OpeningModel(config.opening_trees))) {
+  const OpeningModel model(config.opening_trees, kind_of(space));
+  for (const Opening& o : find_openings(make_floor(space, config.object_max_m2), space, walls, config.opening_max_m, model)) {
     out << o.a.x() << ',' << o.a.y() << ',' << o.b.x() << ',' << o.b.y() << ',' << o.probability;
     for (const float f : o.features) out << ',' << f;
     out << '\n';
@@ -35,6 +36,7 @@ void run(const std::string& map, const std::string& out, bool openings, const Se
   if (openings) write_atomically(out + "/openings.csv", openings_csv(found.space, found.layers.walls, config));
   std::cout << map << ": " << found.layers.walls.size() << " walls, " << found.layers.rooms.size() << " rooms, " << found.layers.doors.size()
             << " doors, " << found.layers.objects.size() << " objects\n"
+            << (kind_of(found.space) == OpeningModel::Kind::kFinished ? "  a finished map\n" : "  a map that is open to the unexplored\n")
             << "  results  " << out << "/semantic.geojson, semantic.svg\n";
 }
 

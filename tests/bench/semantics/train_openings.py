@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Learns how sure an opening parts two rooms (common/semantics/opening_trees.inc) from labelled maps and tours.
+"""Learns how sure an opening parts two rooms from labelled maps and tours: in maps of a robot (common/semantics/opening_trees.inc) and, with made-up plans
+and labelled maps turned, in finished ones (finished_opening_trees.inc).
 
-train_openings.py BUILD DATA OUT [--held-out]: OUT is what bench.py left (it drives the tours). Prints how well openings of each building are
+train_openings.py BUILD DATA OUT [--held-out] [--seed N]: OUT is what bench.py left (it drives the tours). Prints how well openings of each building are
 told when the building is held out, then trains on all and writes the trees; build again afterwards. --held-out also scores every map and tour with trees
 that never saw its building."""
 import argparse
@@ -10,6 +11,7 @@ import json
 import math
 import os
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from sklearn.ensemble import GradientBoostingClassifier
@@ -17,12 +19,29 @@ from sklearn.metrics import average_precision_score
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 HOUSE = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
-TREES = os.path.join(HOUSE, "common", "semantics", "opening_trees.inc")
 sys.path.insert(0, HERE)
 import bench  # noqa: E402
+import made_up  # noqa: E402
 import maps  # noqa: E402
 
-NUMBER_OF_TREES, DEPTH, RATE, SHARE, LEAST_LEAF, SEED = 60, 3, 0.15, 0.7, 25, 1
+MADE_UP_PLANS, TURNS, LESS = 32, 2, 0.5  # what is not real weighs less
+
+
+class Kind:
+    """Trees for one kind of map."""
+
+    def __init__(self, file, **settings):
+        self.file, self.settings = os.path.join(HOUSE, "common", "semantics", file), settings
+
+    def fit(self, sets, seed):
+        """Every map weighs as the root of its number of openings."""
+        weights = np.concatenate([np.full(len(s["y"]), s["weight"] / math.sqrt(max(1, len(s["y"])))) for s in sets])
+        model = GradientBoostingClassifier(subsample=0.7, random_state=seed, **self.settings)
+        return model.fit(np.vstack([s["x"] for s in sets]), np.concatenate([s["y"] for s in sets]), sample_weight=weights / weights.mean())
+
+
+SENSED = Kind("opening_trees.inc", n_estimators=60, max_depth=3, learning_rate=0.15, min_samples_leaf=25)
+FINISHED = Kind("finished_opening_trees.inc", n_estimators=100, max_depth=4, learning_rate=0.12, min_samples_leaf=40, max_features=0.3)
 
 
 def building_of(m):
@@ -90,20 +109,16 @@ def label(m, openings):
     return labels
 
 
-def load(m, binary):
+def load(m, binary, weight=1.0):
     maps.annotate(m, binary, ["--openings"])
     rows = np.loadtxt(os.path.join(m.folder, "out", "openings.csv"), delimiter=",", ndmin=2)
     labels = label(m, rows)
     known = labels >= 0
-    return {"map": m, "building": building_of(m), "x": rows[known, 5:], "y": labels[known]}
+    return {"map": m, "building": building_of(m), "x": rows[known, 5:], "y": labels[known], "weight": weight}
 
 
-def fit(sets):
-    """Every map weighs as the root of its number of openings."""
-    weights = np.concatenate([np.full(len(s["y"]), 1 / math.sqrt(max(1, len(s["y"])))) for s in sets])
-    model = GradientBoostingClassifier(n_estimators=NUMBER_OF_TREES, max_depth=DEPTH, learning_rate=RATE, subsample=SHARE, min_samples_leaf=LEAST_LEAF,
-                                       random_state=SEED)
-    return model.fit(np.vstack([s["x"] for s in sets]), np.concatenate([s["y"] for s in sets]), sample_weight=weights / weights.mean())
+def kind_of(m):
+    return FINISHED if m.kind in ("plain", "furnished") else SENSED
 
 
 def nodes_of(model):
@@ -120,13 +135,13 @@ def nodes_of(model):
     return math.log(share / (1 - share)), roots, nodes
 
 
-def write_trees(model):
+def write_trees(model, path):
     """The built-in trees, as C++."""
     def number(v):
         text = f"{v:.5g}"
         return text + ("f" if "." in text or "e" in text else ".0f")
     bias, roots, nodes = nodes_of(model)
-    with open(TREES, "w") as f:
+    with open(path, "w") as f:
         f.write("// SPDX-License-Identifier: BSD-3-Clause\n// Made by ./run.sh train semantics; see opening_model.hpp.\n// clang-format off\n")
         f.write(f"constexpr double kBias = {bias:.5f};\nconstexpr int kRoots[] = {{{', '.join(map(str, roots))}}};\n")
         f.write("constexpr Node kNodes[] = {\n")
@@ -143,11 +158,11 @@ def write_tree_file(model, path):
         f.write("".join(f"node {a} {b:.5g} {c} {d} {v:.5g}\n" for a, b, c, d, v in nodes))
 
 
-def score_held_out(sets, models, binary, args):
+def score_held_out(sets, files, binary, args):
     """Scores every map and tour with the trees that never saw its building, and prints means."""
     rows = {}
     for s in sets:
-        m, options = s["map"], ["--set", f"semantics.opening_trees={models[s['building']]}"]
+        m, options = s["map"], ["--set", f"semantics.opening_trees={files[s['building'], kind_of(m)]}"]
         if m.kind == "tour":
             _, found = bench.tour_semantics(binary, os.path.join(args.out, "tours", m.name), "ground_truth", os.path.join(args.out, "held_out", m.name), options)
             row = bench.tour_row(m.name, found)
@@ -164,27 +179,36 @@ def main():
     parser.add_argument("data")
     parser.add_argument("out")
     parser.add_argument("--held-out", action="store_true", help="also score the rooms of each building with trees that never saw it")
+    parser.add_argument("--seed", type=int, default=1, help="of the training; the shipped trees have 1")
     args = parser.parse_args()
     binary = os.path.join(os.path.abspath(args.build), "bin")
-    sets = [load(m, binary) for m in maps.drawn_maps(args.data, args.out) + maps.robot_maps(args.data, args.out) + tour_maps(args.out)]
+    drawn = maps.drawn_maps(args.data, args.out)
+    more = made_up.made_up_maps(MADE_UP_PLANS, args.out) + [made_up.turned(m, seed, args.out) for m in drawn for seed in range(TURNS)]
+    with ThreadPoolExecutor() as pool:
+        sets = list(pool.map(lambda m: load(m, binary), drawn + maps.robot_maps(args.data, args.out) + tour_maps(args.out)))
+        not_real = list(pool.map(lambda m: load(m, binary, LESS), more))
+    lessons = {SENSED: sets, FINISHED: sets + not_real}
     print("Openings of buildings that were held out: average precision, and precision and recall at one half")
-    figures, models = [], {}
+    figures, files = [], {}
     os.makedirs(os.path.join(args.out, "held_out"), exist_ok=True)
     for building in sorted({s["building"] for s in sets}):
-        model = fit([s for s in sets if s["building"] != building])
-        models[building] = os.path.join(os.path.abspath(args.out), "held_out", building + ".trees")
-        write_tree_file(model, models[building])
-        for s in (s for s in sets if s["building"] == building):
-            m, y = s["map"], s["y"]
-            p = model.predict_proba(s["x"])[:, 1]
-            said = p > 0.5
-            figures.append((average_precision_score(y, p), maps.ratio((said & (y == 1)).sum(), said.sum()), maps.ratio((said & (y == 1)).sum(), (y == 1).sum())))
-            print(f"  {m.name + ' ' + m.kind:34s}", *(f"{x:.3f}" for x in figures[-1]), flush=True)
+        own = [s for s in sets if s["building"] == building]
+        for kind in {kind_of(s["map"]) for s in own}:
+            model = kind.fit([s for s in lessons[kind] if s["building"] != building], args.seed)
+            files[building, kind] = os.path.join(os.path.abspath(args.out), "held_out", f"{building}.{os.path.basename(kind.file)}")
+            write_tree_file(model, files[building, kind])
+            for s in (s for s in own if kind_of(s["map"]) is kind):
+                m, y = s["map"], s["y"]
+                p = model.predict_proba(s["x"])[:, 1]
+                said = p > 0.5
+                figures.append((average_precision_score(y, p), maps.ratio((said & (y == 1)).sum(), said.sum()), maps.ratio((said & (y == 1)).sum(), (y == 1).sum())))
+                print(f"  {m.name + ' ' + m.kind:34s}", *(f"{x:.3f}" for x in figures[-1]), flush=True)
     print("  mean", *(f"{x:.3f}" for x in np.mean(figures, axis=0)))
-    write_trees(fit(sets))
-    print(f"{TREES} written; build again")
+    for kind, these in lessons.items():
+        write_trees(kind.fit(these, args.seed), kind.file)
+        print(f"{kind.file} written; build again")
     if args.held_out:
-        text = bench.held_out_section(score_held_out(sets, models, binary, args))
+        text = bench.held_out_section(score_held_out(sets, files, binary, args))
         with open(os.path.join(args.out, "held_out.md"), "w") as f:
             f.write(text)
         print(text)

@@ -50,6 +50,22 @@ TEST_CASE("a drawn map of two rooms has two rooms, the door between them and wal
   REQUIRE(layers.objects.empty());
 }
 
+TEST_CASE("a map is finished when its floor does not lie open to the unexplored, whatever stands on it") {
+  const MapImage drawn = two_rooms_map();
+  const auto painted = [&](const cv::Rect& box, std::uint8_t value) {
+    MapImage map = drawn;
+    cv::Mat1b(map.height, map.width, map.cells.data())(box).setTo(value);
+    return KnownSpace(map, 0.05);
+  };
+  CHECK(open_rim(KnownSpace(drawn, 0.05)) == 0);
+  CHECK(kind_of(KnownSpace(drawn, 0.05)) == OpeningModel::Kind::kFinished);
+  CHECK(kind_of(painted({50, 50, 20, 15}, 0)) == OpeningModel::Kind::kFinished);  // furniture, drawn as unknown
+  const KnownSpace halved = painted({180, 0, 60, 160}, 0);                        // nobody saw the right end of the room
+  CHECK(open_rim(halved) == Approx(120.0 / (2 * (100 + 55) + 2 * 120 + 120 + 102)).epsilon(0.1));
+  CHECK(kind_of(halved) == OpeningModel::Kind::kSensed);
+  CHECK(open_rim(KnownSpace(0.05)) == 0);
+}
+
 TEST_CASE("an empty map, one wall and a map of noise are annotated without a crash") {
   REQUIRE(annotate({}, {}).layers.rooms.empty());
   MapImage map = two_rooms_map();

@@ -37,3 +37,18 @@ TEST_CASE("trees that lead nowhere, in circles or to unknown features are refuse
     REQUIRE_THROWS_WITH(OpeningModel(written(folder, text)), Catch::Contains("trees"));
   REQUIRE_THROWS_AS(OpeningModel(folder.path + "/none"), std::runtime_error);
 }
+
+TEST_CASE("maps of a robot and finished ones are judged by trees of their own, and a file stands for both") {
+  using Kind = OpeningModel::Kind;
+  std::array<float, kOpeningFeatures> features{};
+  features[kWidth] = 0.9F;
+  features[kSolidLess] = features[kSolidMore] = features[kHitLess] = features[kHitMore] = 1;
+  features[kDepthLess] = features[kDepthMore] = 4;
+  const double sensed = OpeningModel(Kind::kSensed).probability(features.data()), finished = OpeningModel(Kind::kFinished).probability(features.data());
+  CHECK(sensed != finished);
+  CHECK(OpeningModel("", Kind::kFinished).probability(features.data()) == finished);
+  const test::TemporaryFolder folder;
+  const std::string file = written(folder, "bias 0\n");
+  CHECK(OpeningModel(file, Kind::kSensed).probability(features.data()) == 0.5);
+  CHECK(OpeningModel(file, Kind::kFinished).probability(features.data()) == 0.5);
+}
