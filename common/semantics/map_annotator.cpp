@@ -64,20 +64,25 @@ std::vector<Eigen::Vector2d> places(const Floor& floor, const KnownSpace& space)
 
 double open_rim(const KnownSpace& space) {
   if (space.empty()) return 0;
-  const cv::Mat1b &known = space.occupancy, free = (known > 0) & (known < 128);
+  cv::Mat free, solid, world, rim, open;
+  cv::inRange(space.occupancy, 1, 127, free);
+  cv::inRange(space.occupancy, 128, 255, solid);
   // From a corner on: around the map nothing is known.
-  cv::Mat1b world;
-  cv::copyMakeBorder(known == 0, world, 1, 1, 1, 1, cv::BORDER_CONSTANT, 255);
+  cv::inRange(space.occupancy, 0, 0, world);
+  cv::copyMakeBorder(world, world, 1, 1, 1, 1, cv::BORDER_CONSTANT, 255);
   cv::floodFill(world, cv::Point(0, 0), cv::Scalar(1));
-  world = (world == 1)(cv::Rect(cv::Point(1, 1), known.size()));
-  const auto beside = [](const cv::Mat1b& mask, int cells) {
-    cv::Mat1b out;
+  cv::inRange(world(cv::Rect(cv::Point(1, 1), free.size())), 1, 1, world);
+  const auto beside = [](const cv::Mat& mask, int cells) {
+    cv::Mat out;
     cv::dilate(mask, out, cv::getStructuringElement(cv::MORPH_RECT, {2 * cells + 1, 2 * cells + 1}));
     return out;
   };
-  const cv::Mat1b rim = free & beside(~free, 1), walled = beside(known >= 128, static_cast<int>(std::lround(kWallBeside_m / space.resolution_m)));
+  cv::bitwise_not(free, rim);
+  cv::bitwise_and(free, beside(rim, 1), rim);
+  cv::bitwise_and(rim, beside(world, 1), open);
+  open.setTo(0, beside(solid, static_cast<int>(std::lround(kWallBeside_m / space.resolution_m))));
   const int cells = cv::countNonZero(rim);
-  return cells > 0 ? static_cast<double>(cv::countNonZero(rim & beside(world, 1) & ~walled)) / cells : 0;
+  return cells > 0 ? static_cast<double>(cv::countNonZero(open)) / cells : 0;
 }
 
 OpeningModel::Kind kind_of(const KnownSpace& space) { return open_rim(space) > kMostOpen ? OpeningModel::Kind::kSensed : OpeningModel::Kind::kFinished; }

@@ -162,7 +162,8 @@ def score_held_out(sets, files, binary, args):
     """Scores every map and tour with the trees that never saw its building, and prints means."""
     rows = {}
     for s in sets:
-        m, options = s["map"], ["--set", f"semantics.opening_trees={files[s['building'], kind_of(m)]}"]
+        m = s["map"]
+        options = ["--set", f"semantics.opening_trees={files[s['building'], kind_of(m)]}"]
         if m.kind == "tour":
             _, found = bench.tour_semantics(binary, os.path.join(args.out, "tours", m.name), "ground_truth", os.path.join(args.out, "held_out", m.name), options)
             row = bench.tour_row(m.name, found)
