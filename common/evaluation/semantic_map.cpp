@@ -74,7 +74,7 @@ std::vector<MapWallEnd> ends_of(const json& told) {
   std::vector<MapWallEnd> ends;
   for (const json& end : told) {
     ends.push_back({end.at("across_m").get<double>(), end.at("along_m").get<double>(), end.at("seen").get<bool>()});
-    if (!(ends.back().across_m > 0 && ends.back().along_m > 0)) throw std::runtime_error("has an end without a standard deviation");
+    if (!(ends.back().across_m >= 0 && ends.back().along_m >= 0)) throw std::runtime_error("has an end whose standard deviation is no length");
   }
   if (ends.size() != 0 && ends.size() != 2) throw std::runtime_error("has " + std::to_string(ends.size()) + " ends, expected 2");
   return ends;
