@@ -248,6 +248,8 @@ TEST_CASE("GeoJSON is read with its holes, and a wrong feature is named", "[eval
       {"7", "{}",
        R"({"properties":{"kind":"wall"},"geometry":{"type":"Point","coordinates":[0,0]}})",
        R"({"properties":{"kind":"wall"},"geometry":{"type":"LineString","coordinates":[[0,0]]}})",
+       R"({"properties":{"kind":"wall","ends":[{"across_m":0.1,"along_m":0.1,"seen":true}]},"geometry":{"type":"LineString","coordinates":[[0,0],[1,0]]}})",
+       R"({"properties":{"kind":"wall","ends":[{"seen":true},{"seen":true}]},"geometry":{"type":"LineString","coordinates":[[0,0],[1,0]]}})",
        R"({"properties":{"kind":"room"},"geometry":{"type":"Polygon","coordinates":[[[0,0],[1,"x"],[1,1]]]}})",
        R"({"properties":{"kind":"room"},"geometry":{"type":"Polygon","coordinates":[[[0,0],[1e9,0],[1,1]]]}})",
        R"({"properties":{"kind":5},"geometry":null})"}) {
