@@ -16,7 +16,7 @@ namespace {
 constexpr double kCell_m = 0.05, kRange_m = 12.0, kApart_m = 1.0, kRoom_m = 0.25;
 constexpr double kFringe_m = 0.15;  // unknown cells that a beam crosses: smoothed maps have them between floor and wall
 constexpr int kBeams = 360;
-constexpr double kWallBeside_m = 0.15, kMostOpen = 0.02;  // maps of a robot have 0.05 to 0.2, finished ones below 0.005
+constexpr double kWallBeside_m = 0.15, kMostOpen = 0.02;  // a robot's maps have 0.05 to 0.2 unless it saw all, plans below 0.005
 
 /// What a laser at `eye` would measure in the map; 0 where a beam meets nothing.
 Scan look_around(const KnownSpace& space, const Eigen::Vector2d& eye) {
