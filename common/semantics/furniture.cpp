@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <tuple>
+#include <utility>
 
 namespace modslam {
 namespace {
@@ -105,6 +106,7 @@ void FurnitureMap::set_niche(std::size_t number, const std::optional<Niche>& nic
   }
   known = niche;
   front_[number] = niche.has_value();
+  touched_.push_back(number);
   floor_[number].reset();
 }
 
@@ -162,7 +164,7 @@ bool FurnitureMap::is_side(const Wall& wall) const {
   return false;
 }
 
-FurnitureMap::Numbers FurnitureMap::near(const std::vector<PlanBox>& boxes, double margin_m) const {
+Numbers FurnitureMap::near(const std::vector<PlanBox>& boxes, double margin_m) const {
   Numbers out;
   std::vector<char> is_in(walls_.end(), false);
   for (const PlanBox& box : boxes)
@@ -190,12 +192,13 @@ void FurnitureMap::find_sides(const Numbers& numbers, std::vector<PlanBox>& stir
   for (const std::size_t k : numbers)
     if (const char side = is_side(walls_[k]); side != side_[k]) {
       side_[k] = side;
+      touched_.push_back(k);
       stirred.push_back(box_of(walls_[k]));
     }
 }
 
 /// Walls that a wall hangs together with, itself among them; no more than it takes to see that they are no small group.
-FurnitureMap::Numbers FurnitureMap::group_of(std::size_t first, PlanBox& box) const {
+Numbers FurnitureMap::group_of(std::size_t first, PlanBox& box) const {
   Numbers group{first};
   box = box_of(walls_[first]);
   for (std::size_t next = 0; next < group.size(); ++next) {
@@ -225,6 +228,7 @@ bool FurnitureMap::is_piece_of_wall(const Numbers& group) const {
 }
 
 void FurnitureMap::find_lone_groups(const Numbers& numbers) {
+  touched_.insert(touched_.end(), numbers.begin(), numbers.end());
   for (const std::size_t k : numbers) lone_[k] = false;
   if (!was_large_) return;
   const auto order = [&](std::size_t k) { return std::tuple(walls_[k].a.x(), walls_[k].a.y(), walls_[k].b.x(), walls_[k].b.y()); };
@@ -238,13 +242,15 @@ void FurnitureMap::find_lone_groups(const Numbers& numbers) {
     double outwards = 0;
     for (const std::size_t k : group) outwards += walls_[k].length_m() * walls_[k].normal().dot(0.5 * (walls_[k].a + walls_[k].b) - 0.5 * (box.low + box.high));
     for (const std::size_t k : group) lone_[k] = outwards > -kInwards_m2 && !is_piece_of_wall(group);
+    touched_.insert(touched_.end(), group.begin(), group.end());
   }
 }
 
 /// Whether something larger than a group was seen yet.
 bool FurnitureMap::is_large() const {
   PlanBox all{Vec(1e9, 1e9), Vec(-1e9, -1e9)};
-  for (const std::size_t k : walls_.numbers()) {
+  for (std::size_t k = 0; k < walls_.end(); ++k) {
+    if (!walls_.has(k)) continue;
     all.low = all.low.cwiseMin(box_of(walls_[k]).low);
     all.high = all.high.cwiseMax(box_of(walls_[k]).high);
     if ((all.high - all.low).norm() >= 2 * kSmallGroup_m) return true;
@@ -252,8 +258,9 @@ bool FurnitureMap::is_large() const {
   return false;
 }
 
-std::vector<bool> FurnitureMap::update(const std::vector<Wall>& walls, const IsFree& is_free, const std::vector<PlanBox>& changed) {
-  const WallSet::News news = walls_.update(walls);
+Numbers FurnitureMap::update(const NumberNews& news, const Slots<Wall>& walls, const IsFree& is_free, const std::vector<PlanBox>& changed) {
+  walls_.take(news, walls);
+  touched_.clear();
   niches_.resize(walls_.end());
   floor_.resize(walls_.end());
   for (std::vector<char>* flags : {&front_, &side_, &lone_}) flags->resize(walls_.end());
@@ -281,10 +288,7 @@ std::vector<bool> FurnitureMap::update(const std::vector<Wall>& walls, const IsF
   const bool all = large != was_large_;
   was_large_ = large;
   find_lone_groups(all ? walls_.numbers() : near(stirred, kSmallGroup_m + kNext_m + 0.1));
-  std::vector<bool> flags;
-  flags.reserve(walls_.size());
-  for (const std::size_t k : walls_.numbers()) flags.push_back(is_part(k) || lone_[k]);
-  return flags;
+  return std::exchange(touched_, {});
 }
 
 std::vector<std::array<Vec, 4>> FurnitureMap::footprints(const IsFree& is_free) {
@@ -321,6 +325,15 @@ double floor_share(const std::array<Vec, 4>& ring, const FurnitureMap::IsFree& i
   return static_cast<double>(free) / (columns * rows);
 }
 
-std::vector<bool> find_furniture(const std::vector<Wall>& walls, const FurnitureMap::IsFree& is_free) { return FurnitureMap().update(walls, is_free, {}); }
+std::vector<bool> find_furniture(const std::vector<Wall>& walls, const FurnitureMap::IsFree& is_free) {
+  Slots<Wall> numbered;
+  NumberNews news;
+  for (const Wall& wall : walls) news.come.push_back(numbered.take(wall));
+  FurnitureMap map;
+  map.update(news, numbered, is_free, {});
+  std::vector<bool> flags;
+  for (const std::size_t number : news.come) flags.push_back(map.is_furniture(number));
+  return flags;
+}
 
 }  // namespace modslam

@@ -24,8 +24,11 @@ class FurnitureMap {
   /// Whether the floor was seen free at a place: behind the front of a cupboard nothing was.
   using IsFree = std::function<bool(const Eigen::Vector2d&)>;
 
-  /// @param changed  where answers of is_free may be new since the last call. @return one flag a wall.
-  std::vector<bool> update(const std::vector<Wall>& walls, const IsFree& is_free, const std::vector<PlanBox>& changed);
+  /// @param news  of the walls that are looked at, by number. @param changed  where answers of is_free may be new since the last call.
+  /// @return numbers whose answers may be new, some more than once.
+  Numbers update(const NumberNews& news, const Slots<Wall>& walls, const IsFree& is_free, const std::vector<PlanBox>& changed);
+  bool is_furniture(std::size_t number) const { return is_part(number) || lone_[number]; }
+  const WallSet& walls() const { return walls_; }
 
   /// Footprints of what stands before walls and is no floor: corners of the boxes from the fronts to the walls behind, deepest first. Front's length is
   /// from corner 0 to 1. @param is_free  as in the update before.
@@ -41,7 +44,6 @@ class FurnitureMap {
     std::array<Eigen::Vector2d, 4> ring() const;
     bool operator==(const Niche& o) const { return origin == o.origin && along == o.along && low == o.low && high == o.high && depth == o.depth; }
   };
-  using Numbers = std::vector<std::size_t>;
 
   std::optional<Niche> niche_of(const Wall& front, const IsFree& is_free) const;
   bool is_wall_behind(const Wall& front, const Wall& back, const Niche& niche) const;
@@ -61,6 +63,7 @@ class FurnitureMap {
   std::vector<char> front_, side_, lone_;      ///< by number; front_: it has a niche
   std::vector<std::optional<double>> floor_;   ///< by number of the front: share of its footprint that is floor, when asked
   Numbers fronts_;
+  Numbers touched_;                            ///< whose answers may be new in this round
   PlanIndex niche_index_{3.2};
   bool was_large_ = false;
 };
@@ -68,7 +71,7 @@ class FurnitureMap {
 /// Share of a rectangle that was seen to be floor.
 double floor_share(const std::array<Eigen::Vector2d, 4>& ring, const FurnitureMap::IsFree& is_free);
 
-/// All at once.
+/// All at once: one flag a wall.
 std::vector<bool> find_furniture(const std::vector<Wall>& walls, const FurnitureMap::IsFree& is_free);
 
 }  // namespace modslam

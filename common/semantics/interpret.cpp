@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "common/semantics/object_class.hpp"
 
@@ -53,54 +54,13 @@ bool stands_on(const Wall& wall, const KnownSpace& space, IsIt is_it) {
   return 2 * behind > looked;
 }
 
-/// Objects that are a piece of wall between two doors, with furniture against it or without: its face goes on, in line, beyond a gap no wider than a door,
-/// as a wall that stands on no object.
-std::vector<bool> pieces_of_wall(const ObjectMap& found, const std::vector<const WallBand*>& bands, const KnownSpace& space, const SemanticsConfig& config) {
-  std::vector<bool> pieces(found.objects.size(), false);
-  const auto mark = [&](const Wall& face, const Wall& next, double gap_m) {
-    if (!face.on_object || next.on_object || gap_m > config.door_max_m || next.length_m() <= 1.0 || face.length_m() <= 1.0) return;
-    const cv::Rect box = grown(cv::Rect(space.cell(face.a), cv::Size(1, 1)) | cv::Rect(space.cell(face.b), cv::Size(1, 1)), 4);
-    for (std::size_t k = 0; k < pieces.size(); ++k) {
-      const Island& island = found.objects[k].island;
-      if (pieces[k] || !meet(island.box, box)) continue;
-      pieces[k] = stands_on(face, space, [&](const cv::Point& c) { return island.box.contains(c) && island.mask(c - island.box.tl()); });
-    }
-  };
-  for (const WallBand* band : bands)
-    for (std::size_t k = 0; k + 1 < band->walls.size(); ++k) {
-      const Wall &p = band->walls[k], &q = band->walls[k + 1];
-      const double gap_m = (q.a - p.b).norm();
-      mark(p, q, gap_m);
-      mark(q, p, gap_m);
-    }
-  return pieces;
-}
-
-/// The face of a thing that stands free is not a wall: what lies behind it belongs to the object.
-std::vector<Wall> without_faces(const std::vector<const WallBand*>& bands, const ObjectMap& objects, const std::vector<bool>& dropped, const KnownSpace& space) {
-  const auto is_object = [&](const cv::Point& c) {
-    if (!objects.mask(c)) return false;
-    for (std::size_t k = 0; k < dropped.size(); ++k) {
-      const Island& island = objects.objects[k].island;
-      if (dropped[k] && island.box.contains(c) && island.mask(c - island.box.tl())) return false;
-    }
-    return true;
-  };
-  const bool all_stay = std::none_of(dropped.begin(), dropped.end(), [](bool one) { return one; });
-  std::vector<Wall> out;
-  for (const WallBand* band : bands)
-    for (const Wall& wall : band->walls)
-      if (!wall.on_object || (!all_stay && !stands_on(wall, space, is_object))) out.push_back(wall);
-  return out;
-}
-
-/// Keeps the walls of whose places in the list `stays` says so.
-template <class Stays>
-void keep_those(std::vector<Wall>& walls, Stays stays) {
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < walls.size(); ++k)
-    if (stays(k) && kept++ != k) walls[kept - 1] = walls[k];
-  walls.resize(kept);
+/// Around walls that came and went.
+Boxes boxes_of(const NumberNews& news, const WallSet& walls, const KnownSpace& space) {
+  Boxes boxes;
+  for (const Numbers* numbers : {&news.gone, &news.come})
+    for (const std::size_t k : *numbers)
+      boxes.push_back(grown(cv::Rect(space.cell(walls[k].a), cv::Size(1, 1)) | cv::Rect(space.cell(walls[k].b), cv::Size(1, 1)), static_cast<int>(0.3 / space.resolution_m)));
+  return boxes;
 }
 
 /// What stands before a wall, as an object.
@@ -127,7 +87,7 @@ void drop_doors_to_glimpses(std::vector<Door>& doors, const Partition& partition
 }  // namespace
 
 Interpreter::Interpreter(const SemanticsConfig& config, OpeningModel::Kind kind)
-    : config_(config), walls_(wall_options(config)), openings_(config.opening_max_m, OpeningModel(config.opening_trees, kind)), parter_(parting_options(config)),
+    : config_(config), found_walls_(wall_options(config)), openings_(config.opening_max_m, OpeningModel(config.opening_trees, kind)), parter_(parting_options(config)),
       rooms_(room_options(config)) {}
 
 /// What is kept in cells moves with the raster's corner when that grows; nothing else is new by it.
@@ -145,10 +105,12 @@ void Interpreter::follow(const KnownSpace& space) {
   for (auto& [region, ring] : known_rings_) ring.box += growth.shift;
 }
 
-Interpreter::Bands Interpreter::find_bands(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed) {
+WallMap::News Interpreter::find_walls(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed) {
   const cv::Rect frame({0, 0}, space.occupancy.size());
   const auto is_solid = [&](const Eigen::Vector2d& p) {
-    const cv::Rect near = grown(cv::Rect(space.cell(p), cv::Size(1, 1)), 2) & frame;
+    const cv::Point c = space.cell(p);
+    if (frame.contains(c) && space.occupancy(c) >= 128) return true;  // as most are
+    const cv::Rect near = grown(cv::Rect(c, cv::Size(1, 1)), 2) & frame;
     for (int y = near.y; y < near.br().y; ++y) {
       const std::uint8_t* row = space.occupancy[y];
       for (int x = near.x; x < near.br().x; ++x)
@@ -165,27 +127,72 @@ Interpreter::Bands Interpreter::find_bands(const KnownSpace& space, const Boxes&
   };
   for (const cv::Rect& box : changed)
     odds_changed.push_back(plan_box(space.place(box.x, box.y), space.place(box.br().x, box.br().y), 0));
-  return walls_.update(is_solid, finish, odds_changed);
-}
-
-std::vector<bool> Interpreter::find_furniture(const std::vector<Wall>& faces, const KnownSpace& space, const Boxes& changed) {
-  std::vector<PlanBox> boxes;
-  const double cell_m = space.resolution_m;
-  for (const cv::Rect& box : windows(changed, static_cast<int>(kNewsTogether_m / cell_m), space.occupancy.size()))
-    boxes.push_back({space.place(box.x, box.y), space.place(box.br().x, box.br().y)});
-  return furniture_.update(faces, [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); }, boxes);
-}
-
-/// @return where walls came and went.
-Boxes Interpreter::take_walls(const std::vector<Wall>& walls, const KnownSpace& space, WallSet::News& news) {
-  news = known_walls_.update(walls);
-  Boxes boxes;
-  for (const std::vector<std::size_t>* numbers : {&news.gone, &news.come})
+  WallMap::News news = found_walls_.update(is_solid, finish, odds_changed);
+  for (const std::size_t k : news.gone) on_objects_.erase(k);
+  for (const Numbers* numbers : {&news.come, &news.turned})
     for (const std::size_t k : *numbers) {
-      const Wall& wall = known_walls_[k];
-      boxes.push_back(grown(cv::Rect(space.cell(wall.a), cv::Size(1, 1)) | cv::Rect(space.cell(wall.b), cv::Size(1, 1)), static_cast<int>(0.3 / space.resolution_m)));
+      if (found_walls_.walls()[k].on_object) on_objects_.insert(k);
+      else on_objects_.erase(k);
     }
-  return boxes;
+  return news;
+}
+
+/// Objects that are a piece of wall between two doors, with furniture against it or without: its face goes on, in line, beyond a gap no wider than a door,
+/// as a wall that stands on no object.
+std::vector<bool> Interpreter::pieces_of_wall(const KnownSpace& space) const {
+  std::vector<bool> pieces(objects_.objects.size(), false);
+  for (const std::size_t number : on_objects_) {
+    const Wall& face = found_walls_.walls()[number];
+    const WallMap::Neighbours& beside = found_walls_.beside(number);
+    const auto goes_on = [&](std::size_t next, bool after) {
+      if (next == WallMap::kNone) return false;
+      const Wall& wall = found_walls_.walls()[next];
+      return !wall.on_object && wall.length_m() > 1.0 && (after ? wall.a - face.b : face.a - wall.b).norm() <= config_.door_max_m;
+    };
+    if (face.length_m() <= 1.0 || !(goes_on(beside.before, false) || goes_on(beside.after, true))) continue;
+    const cv::Rect box = grown(cv::Rect(space.cell(face.a), cv::Size(1, 1)) | cv::Rect(space.cell(face.b), cv::Size(1, 1)), 4);
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      const Island& island = objects_.objects[k].island;
+      if (pieces[k] || !meet(island.box, box)) continue;
+      pieces[k] = stands_on(face, space, [&](const cv::Point& c) { return island.box.contains(c) && island.mask(c - island.box.tl()); });
+    }
+  }
+  return pieces;
+}
+
+/// The face of a thing that stands free is not a wall: what lies behind it belongs to the object. @return news of the others.
+NumberNews Interpreter::take_faces(const WallMap::News& found, const std::vector<bool>& dropped, const KnownSpace& space) {
+  const auto is_object = [&](const cv::Point& c) {
+    if (!objects_.mask(c)) return false;
+    for (std::size_t k = 0; k < dropped.size(); ++k) {
+      const Island& island = objects_.objects[k].island;
+      if (dropped[k] && island.box.contains(c) && island.mask(c - island.box.tl())) return false;
+    }
+    return true;
+  };
+  const bool pieces_stand = std::any_of(dropped.begin(), dropped.end(), [](bool one) { return one; });
+  const std::set<std::size_t> gone(found.gone.begin(), found.gone.end());
+  Numbers doubtful = found.gone;
+  for (const Numbers* numbers : {&found.come, &found.turned}) doubtful.insert(doubtful.end(), numbers->begin(), numbers->end());
+  if (pieces_stand || std::exchange(pieces_stood_, pieces_stand)) doubtful.insert(doubtful.end(), on_objects_.begin(), on_objects_.end());
+  pieces_stood_ = pieces_stand;
+  return furniture_.walls().news(std::move(doubtful), [&](std::size_t k) {
+    const Wall& wall = found_walls_.walls()[k];
+    return !gone.count(k) && (!wall.on_object || (pieces_stand && !stands_on(wall, space, is_object)));
+  });
+}
+
+/// Of the faces, those that are no furniture. @return what came and went.
+NumberNews Interpreter::take_walls(const NumberNews& faces, const KnownSpace& space, const Boxes& changed) {
+  std::vector<PlanBox> boxes;
+  for (const cv::Rect& box : windows(changed, static_cast<int>(kNewsTogether_m / space.resolution_m), space.occupancy.size()))
+    boxes.push_back({space.place(box.x, box.y), space.place(box.br().x, box.br().y)});
+  const auto is_free = [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); };
+  Numbers doubtful = furniture_.update(faces, found_walls_.walls(), is_free, boxes);
+  for (const Numbers* numbers : {&faces.gone, &faces.come}) doubtful.insert(doubtful.end(), numbers->begin(), numbers->end());
+  const NumberNews news = known_walls_.news(std::move(doubtful), [&](std::size_t k) { return furniture_.walls().has(k) && !furniture_.is_furniture(k); });
+  known_walls_.take(news, found_walls_.walls());
+  return news;
 }
 
 /// Draws what is inside rooms, off their outlines, and no floor. @return where that changed.
@@ -232,7 +239,7 @@ Boxes Interpreter::find_hidden(const std::vector<Room>& rooms, const KnownSpace&
 }
 
 /// Faces that stand in a room, off its outline, with what nobody saw behind them, belong to what is in the room: parked cars, beds, counters.
-void Interpreter::drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& space, const Boxes& open, const WallSet::News& news) {
+void Interpreter::find_hiding(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open, const NumberNews& news) {
   const auto hides = [&](const Wall& wall) {
     if (wall.length_m() > kLongestFront_m) return false;
     const Eigen::Vector2d u = wall.direction(), from = wall.a - kBehind_m * wall.normal();
@@ -243,17 +250,26 @@ void Interpreter::drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& 
     }
     return 2 * behind > looked;
   };
-  std::vector<std::size_t> stirred = news.come;
-  for (const cv::Rect& box : find_hidden(layers.rooms, space, open)) {
+  Numbers stirred = news.come;
+  for (const cv::Rect& box : find_hidden(rooms, space, open)) {
     const double cell_m = space.resolution_m;
-    const auto near = known_walls_.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), kBehind_m + cell_m);
+    const Numbers near = known_walls_.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), kBehind_m + cell_m);
     stirred.insert(stirred.end(), near.begin(), near.end());
   }
   hides_.resize(known_walls_.end(), false);
-  std::sort(stirred.begin(), stirred.end());
-  stirred.erase(std::unique(stirred.begin(), stirred.end()), stirred.end());
+  tidy(stirred);
   for (const std::size_t k : stirred) hides_[k] = hides(known_walls_[k]);
-  keep_those(layers.walls, [&](std::size_t k) { return !hides_[known_walls_.numbers()[k]]; });
+}
+
+std::vector<Wall> Interpreter::walls_off_rooms(const KnownSpace& space) const {
+  std::vector<Wall> walls;
+  walls.reserve(known_walls_.size());
+  for (std::size_t k = 0; k < known_walls_.end(); ++k) {
+    if (!known_walls_.has(k) || hides_[k]) continue;
+    walls.push_back(found_walls_.walls()[k]);
+    wall_ends_.fill_in(k, walls.back(), space);
+  }
+  return walls;
 }
 
 SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed) {
@@ -263,19 +279,16 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   const FloorChange floor = update_floor(floor_, space, config_.object_max_m2, changed);
   Boxes stirred = update_objects(objects_, space, floor_, changed, floor.islands);
   stirred.insert(stirred.end(), changed.begin(), changed.end());
-  const Bands bands = find_bands(space, stirred, wall_log_odds, odds_changed);
-  const std::vector<bool> dropped = pieces_of_wall(objects_, bands, space, config_);
+  const WallMap::News found = find_walls(space, stirred, wall_log_odds, odds_changed);
+  const std::vector<bool> dropped = pieces_of_wall(space);
   for (std::size_t k = 0; k < dropped.size(); ++k)
     if (!dropped[k]) layers.objects.push_back(objects_.objects[k].object);
-  layers.walls = without_faces(bands, objects_, dropped, space);
-  const std::vector<bool> furniture = find_furniture(layers.walls, space, changed);
-  keep_those(layers.walls, [&](std::size_t k) { return !furniture[k]; });
+  const NumberNews news = take_walls(take_faces(found, dropped, space), space, changed);
   const auto is_free = [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); };
   for (const auto& ring : furniture_.footprints(is_free)) layers.objects.push_back(at_wall(ring));
 
-  WallSet::News news;
-  const Boxes walls = take_walls(layers.walls, space, news);
-  wall_ends_.update(layers.walls, known_walls_, news.come, space, changed);
+  const Boxes walls = boxes_of(news, known_walls_, space);
+  wall_ends_.update(known_walls_, news.come, space, changed);
   openings_.update(floor_, space, known_walls_, floor, walls);
   Boxes parted = parter_.update(floor_, space, known_walls_, openings_.take_news(parting_options(config_).cuts), floor.open, walls);
   DoorMapOptions doors;
@@ -285,7 +298,8 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   parted.insert(parted.end(), changed.begin(), changed.end());
   layers.rooms = rooms_.update(parter_.partition(), floor_, space, parted);
   drop_doors_to_glimpses(layers.doors, parter_.partition(), layers.rooms, space.resolution_m, room_options(config_).glimpse_m2);
-  drop_faces_in_rooms(layers, space, floor.open, news);
+  find_hiding(layers.rooms, space, floor.open, news);
+  layers.walls = walls_off_rooms(space);
   return layers;
 }
 

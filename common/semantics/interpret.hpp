@@ -2,6 +2,7 @@
 /// @file From evidence to walls, rooms, doors and objects: the same for a run and for a finished map.
 #pragma once
 #include <functional>
+#include <set>
 
 #include "common/semantics/door_map.hpp"
 #include "common/semantics/furniture.hpp"
@@ -22,32 +23,35 @@ class Interpreter {
   explicit Interpreter(const SemanticsConfig& config, OpeningModel::Kind kind = OpeningModel::Kind::kSensed);
 
   /// What a scan showed, map frame; sign -1 takes it back.
-  void add(const Segment& segment, int sign) { walls_.add(segment, sign); }
+  void add(const Segment& segment, int sign) { found_walls_.add(segment, sign); }
   void add(const DoorSighting& sighting, int sign) { sightings_.add(sighting, sign); }
 
   /// @param changed  cells of the space, @param odds_changed  plan_box()es of the log-odds that changed since the last call. Ids are left 0.
   SemanticLayers update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed);
 
  private:
-  using Bands = std::vector<const WallBand*>;
   void follow(const KnownSpace& space);
-  Bands find_bands(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed);
-  std::vector<bool> find_furniture(const std::vector<Wall>& faces, const KnownSpace& space, const Boxes& changed);
-  Boxes take_walls(const std::vector<Wall>& walls, const KnownSpace& space, WallSet::News& news);
+  WallMap::News find_walls(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed);
+  std::vector<bool> pieces_of_wall(const KnownSpace& space) const;
+  NumberNews take_faces(const WallMap::News& found, const std::vector<bool>& dropped, const KnownSpace& space);
+  NumberNews take_walls(const NumberNews& faces, const KnownSpace& space, const Boxes& changed);
   Boxes find_hidden(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open);
-  void drop_faces_in_rooms(SemanticLayers& layers, const KnownSpace& space, const Boxes& open, const WallSet::News& news);
+  void find_hiding(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open, const NumberNews& news);
+  std::vector<Wall> walls_off_rooms(const KnownSpace& space) const;
 
   SemanticsConfig config_;
   cv::Rect frame_;                  ///< of the space in its lattice, when it was last seen
-  WallMap walls_;
+  WallMap found_walls_;
+  std::set<std::size_t> on_objects_;  ///< those of them that stand on an object
+  bool pieces_stood_ = false;         ///< some objects were pieces of wall in the last round
   DoorSightings sightings_;
   Floor floor_;
   ObjectMap objects_;
   OpeningMap openings_;
   FloorParter parter_;
   RoomMap rooms_;
-  FurnitureMap furniture_;
-  WallSet known_walls_;             ///< without furniture, before those in rooms are dropped
+  FurnitureMap furniture_;          ///< among walls that stand on no object
+  WallSet known_walls_;             ///< those that are not, before those in rooms are dropped
   WallEnds wall_ends_;              ///< of these
   struct Ring {
     std::vector<Eigen::Vector2d> outline;

@@ -304,8 +304,7 @@ std::vector<Opening> find_openings(const Floor& floor, const KnownSpace& space, 
   OpeningMap map(max_width_m, model);
   FloorChange all;
   all.open = {cv::Rect({0, 0}, floor.open.size())};
-  WallSet set;
-  set.update(walls);
+  const WallSet set(walls);
   map.update(floor, space, set, all, {});
   return map.all();
 }

@@ -337,8 +337,7 @@ Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vec
   for (const Opening& opening : openings)
     if (options.cuts.take(opening)) news.come.push_back(opening);
   FloorParter parter(options);
-  WallSet set;
-  set.update(walls);
+  const WallSet set(walls);
   parter.update(floor, space, set, news, {cv::Rect({0, 0}, floor.open.size())}, {});
   return parter.partition();
 }

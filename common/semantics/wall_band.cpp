@@ -58,11 +58,11 @@ double Band::sigma_across_m(double along_m) const {
 }
 
 bool Band::takes(const Band& other, const WallMapOptions& options) const {
-  if (direction_.dot(other.direction_) < std::cos(options.join_rad)) return false;
-  if (std::abs(across(other.mean_)) > options.join_m) return false;
   const Eigen::Vector2d a = other.low_end(), b = other.high_end();
+  if (along(a) >= high_ + options.band_gap_m || along(b) <= low_ - options.band_gap_m) return false;  // most are too far
+  if (std::abs(across(other.mean_)) > options.join_m) return false;
   if (std::max(std::abs(across(a)), std::abs(across(b))) > 1.6 * options.join_m) return false;
-  return along(a) < high_ + options.band_gap_m && along(b) > low_ - options.band_gap_m;
+  return direction_.dot(other.direction_) >= std::cos(options.join_rad);
 }
 
 void Band::absorb(const Band& other) {

@@ -44,7 +44,7 @@ WallEnd look_beyond(const KnownSpace& space, const Eigen::Vector2d& p, const Eig
   return {0, kEndUnseen_m, false};
 }
 
-void WallEnds::update(std::vector<Wall>& walls, const WallSet& known, const std::vector<std::size_t>& come, const KnownSpace& space, const Boxes& changed) {
+void WallEnds::update(const WallSet& known, const Numbers& come, const KnownSpace& space, const Boxes& changed) {
   ends_.resize(known.end());
   const auto look = [&](std::size_t number, bool at_b) {
     const Wall& wall = known[number];
@@ -58,13 +58,13 @@ void WallEnds::update(std::vector<Wall>& walls, const WallSet& known, const std:
     for (const std::size_t number : known.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), reach * space.resolution_m))
       for (const bool at_b : {false, true})
         if (meet(box, grown(cv::Rect(space.cell(at_b ? known[number].b : known[number].a), cv::Size(1, 1)), reach))) look(number, at_b);
+}
+
+void WallEnds::fill_in(std::size_t number, Wall& wall, const KnownSpace& space) const {
   const double least_m = floor_m(space);
-  for (std::size_t k = 0; k < walls.size(); ++k) {
-    Wall& wall = walls[k];
-    const auto& [at_a, at_b] = ends_[known.numbers()[k]];
-    wall.at_a = {std::max(wall.at_a.across_m, least_m), at_a.along_m, at_a.seen};
-    wall.at_b = {std::max(wall.at_b.across_m, least_m), at_b.along_m, at_b.seen};
-  }
+  const auto& [at_a, at_b] = ends_[number];
+  wall.at_a = {std::max(wall.at_a.across_m, least_m), at_a.along_m, at_a.seen};
+  wall.at_b = {std::max(wall.at_b.across_m, least_m), at_b.along_m, at_b.seen};
 }
 
 }  // namespace modslam

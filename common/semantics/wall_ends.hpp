@@ -20,9 +20,10 @@ WallEnd look_beyond(const KnownSpace& space, const Eigen::Vector2d& p, const Eig
 /// Keeps what is known of the walls' ends in step with the map.
 class WallEnds {
  public:
-  /// Fills in along_m and seen, and holds across_m above what cells can tell. @param walls  the ones of the set's last update; `come`: new among them,
-  /// @param changed  cells of the space.
-  void update(std::vector<Wall>& walls, const WallSet& known, const std::vector<std::size_t>& come, const KnownSpace& space, const Boxes& changed);
+  /// @param come  new walls of the set, @param changed  cells of the space.
+  void update(const WallSet& known, const Numbers& come, const KnownSpace& space, const Boxes& changed);
+  /// Fills in along_m and seen of a wall of the set, and holds across_m above what cells can tell.
+  void fill_in(std::size_t number, Wall& wall, const KnownSpace& space) const;
 
  private:
   std::vector<std::array<WallEnd, 2>> ends_;  ///< by number of the wall

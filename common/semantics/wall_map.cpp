@@ -118,88 +118,130 @@ std::vector<std::vector<WallMap::Member>> WallMap::chains_of(const std::vector<M
   return out;
 }
 
-cv::Rect WallMap::surroundings(const std::vector<Member>& members) const {
-  Eigen::Vector2d low(1e300, 1e300), high(-1e300, -1e300);
-  for (const Member& member : members) {
-    const Eigen::Vector2d a = band(member).low_end(), b = band(member).high_end();
-    low = low.cwiseMin(a).cwiseMin(b);
-    high = high.cwiseMax(a).cwiseMax(b);
-  }
-  return plan_box(low, high, kAround_m);
-}
+cv::Rect WallMap::Line::from() const { return plan_box(band.low_end(), band.high_end(), kAround_m); }
 
-void WallMap::find_walls(Chain& chain, const IsSolid& is_solid, const Finish& finish, const KnownWalls& known) const {
-  std::vector<Band> bands;
-  for (const Member& member : chain.members) bands.push_back(band(member));
-  chain.bands.clear();
-  for (const Band& one : joined(std::move(bands), options_)) {
-    WallBand walls = one.walls(options_, is_solid);
-    for (Wall& wall : walls.walls) {
-      if (const auto same = known.find(ends_of(wall)); same != known.end()) {
-        wall.evidence = same->second.evidence;
-        wall.on_object = same->second.on_object;
-      } else {
-        finish(wall);
+/// Chains of bands that are not linked any more as they were are joined anew; lines that come out as they were stay. @param gone, come  take lines.
+void WallMap::rejoin(const std::vector<Member>& loose, const std::set<Member>& fresh, std::vector<Chain>& dissolved, Numbers& gone, Numbers& come) {
+  const auto is_fresh = [&](const Member& member) { return fresh.count(member) > 0; };
+  std::vector<Chain> anew;
+  for (std::vector<Member>& members : chains_of(loose)) {
+    const Member first = members.front();
+    for (const Member& member : members) through_[member.first].insert(first);
+    Chain& chain = chains_[first];
+    chain.members = std::move(members);
+    const auto same = std::find_if(dissolved.begin(), dissolved.end(), [&](const Chain& old) { return old.members == chain.members; });
+    if (same == dissolved.end() || std::any_of(chain.members.begin(), chain.members.end(), is_fresh)) anew.push_back({chain.members, {}});
+    else chain.lines = std::move(same->lines), same->lines.clear();
+  }
+  for (const Chain& chain : dissolved) gone.insert(gone.end(), chain.lines.begin(), chain.lines.end());
+  for (const Chain& chain : anew) {
+    std::vector<Band> bands;
+    for (const Member& member : chain.members) bands.push_back(band(member));
+    Numbers& lines = chains_.at(chain.members.front()).lines;
+    lines.clear();
+    for (Band& one : joined(std::move(bands), options_)) {
+      const auto same = std::find_if(gone.begin(), gone.end(), [&](std::size_t k) { return lines_[k].band == one; });
+      if (same != gone.end()) {
+        lines.push_back(*same);
+        gone.erase(same);
+        continue;
       }
+      lines.push_back(lines_.take({one, {}, true}));
+      line_index_.add(one.low_end(), one.high_end(), lines.back());
+      come.push_back(lines.back());
     }
-    if (!walls.walls.empty()) chain.bands.push_back(std::move(walls));
+  }
+  for (const std::size_t k : gone) {
+    line_index_.remove(lines_[k].band.low_end(), lines_[k].band.high_end(), k);
+    lines_[k].is_there = false;
+    lines_.give_back(k);
   }
 }
 
-std::vector<const WallBand*> WallMap::update(const IsSolid& is_solid, const Finish& finish, const Boxes& changed) {
+Numbers WallMap::lines_near(const Boxes& changed) const {
+  Numbers near;
+  for (const cv::Rect& box : changed) {
+    const Eigen::Vector2d low = kPlanCell_m * Eigen::Vector2d(box.x, box.y), high = kPlanCell_m * Eigen::Vector2d(box.br().x, box.br().y);
+    line_index_.each_near(low, high, kAround_m + 2 * kPlanCell_m, [&](std::size_t k) {
+      if (meet(lines_[k].from(), box)) near.push_back(k);
+    });
+  }
+  return near;
+}
+
+/// Walls whose ends come out the same keep their numbers and, off the changes, what was found of them.
+WallMap::News WallMap::read_walls(const Numbers& gone, const Numbers& stale, const IsSolid& is_solid, const Finish& finish, const Boxes& changed) {
+  News news;
+  const cv::Rect all = bounds(changed);
+  const auto is_stirred = [&](const cv::Rect& box) { return meet(all, box) && meet(changed, box); };
+  std::map<Ends, std::size_t> known;
+  for (const Numbers* lines : {&gone, &stale})
+    for (const std::size_t k : *lines)
+      for (const std::size_t number : lines_[k].walls)
+        if (!known.emplace(ends_of(walls_[number]), number).second) news.gone.push_back(number);
+  for (const std::size_t k : stale) {
+    Numbers& numbers = lines_[k].walls;
+    numbers.clear();
+    for (Wall& wall : lines_[k].band.walls(options_, is_solid).walls) {
+      const auto same = known.find(ends_of(wall));
+      if (same == known.end()) {
+        finish(wall);
+        numbers.push_back(walls_.take(wall));
+        news.come.push_back(numbers.back());
+        continue;
+      }
+      Wall& before = walls_[same->second];
+      if (is_stirred(plan_box(wall.a, wall.b, kAround_m))) {
+        finish(wall);
+      } else {
+        wall.evidence = before.evidence;
+        wall.on_object = before.on_object;
+      }
+      if (wall.on_object != before.on_object) news.turned.push_back(same->second);
+      before = wall;
+      numbers.push_back(same->second);
+      known.erase(same);
+    }
+    beside_.resize(walls_.end());
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      beside_[numbers[i]] = {i == 0 ? kNone : numbers[i - 1], i + 1 == numbers.size() ? kNone : numbers[i + 1]};
+  }
+  for (const auto& [ends, number] : known) news.gone.push_back(number);
+  for (const std::size_t number : news.gone) walls_.give_back(number);
+  return news;
+}
+
+WallMap::News WallMap::update(const IsSolid& is_solid, const Finish& finish, const Boxes& changed) {
+  walls_.next_round();
+  lines_.next_round();
   const std::set<Index> news = blocks_.take_changed();
   std::set<Index> relink, around;
-  std::set<Member> fresh;
   for (const Index& index : news) {
     for (const auto& [dx, dy] : {std::pair(0, 0), std::pair(-1, 0), std::pair(0, -1), std::pair(-1, -1), std::pair(1, -1)})
       relink.insert({index.first + dx, index.second + dy});
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx) around.insert({index.first + dx, index.second + dy});
   }
+  std::set<Member> fresh;
   for (const Index& index : news) find_bands(index, fresh);
   for (const Index& index : relink) find_links(index);
-
-  const cv::Rect all = bounds(changed);
-  const auto is_stirred = [&](const cv::Rect& from) { return meet(all, from) && meet(changed, from); };
-  const auto is_fresh = [&](const Member& member) { return fresh.count(member) > 0; };
-  KnownWalls known;
-  const auto keep = [&](const Chain& chain) {
-    for (const WallBand& one : chain.bands)
-      for (const Wall& wall : one.walls)
-        if (!meet(changed, plan_box(wall.a, wall.b, kAround_m))) known.emplace(ends_of(wall), wall);
-  };
   std::vector<Chain> dissolved;
   const std::vector<Member> loose = dissolve(around, dissolved);
-  std::vector<Chain*> stale;
-  for (const Chain& chain : dissolved) keep(chain);
-  auto gone = dissolved.begin();  // both in order
-  entries_.erase(std::remove_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-    while (gone != dissolved.end() && gone->members.front() < entry.first) ++gone;
-    return gone != dissolved.end() && gone->members.front() == entry.first;
-  }), entries_.end());
-  for (const Entry& entry : entries_)
-    if (is_stirred(entry.from)) {
-      keep(*entry.chain);
-      stale.push_back(entry.chain);
-    }
-  const auto n_stay = static_cast<std::ptrdiff_t>(entries_.size());
-  for (std::vector<Member>& members : chains_of(loose)) {
-    const Member first = members.front();
-    for (const Member& member : members) through_[member.first].insert(first);
-    Chain& chain = chains_[first];
-    chain.from = surroundings(members);
-    chain.members = std::move(members);
-    entries_.push_back({first, chain.from, &chain});
-    const auto same = std::find_if(dissolved.begin(), dissolved.end(), [&](const Chain& old) { return old.members == chain.members && old.from == chain.from; });
-    const bool stays = same != dissolved.end() && !is_stirred(chain.from) && std::none_of(chain.members.begin(), chain.members.end(), is_fresh);
-    if (stays) chain.bands = std::move(same->bands);
-    else stale.push_back(&chain);
+  Numbers gone, stale;
+  rejoin(loose, fresh, dissolved, gone, stale);
+  const Numbers near = lines_near(changed);
+  stale.insert(stale.end(), near.begin(), near.end());
+  tidy(stale);
+  return read_walls(gone, stale, is_solid, finish, changed);
+}
+
+std::vector<WallBand> WallMap::bands() const {
+  std::vector<WallBand> out;
+  for (std::size_t k = 0; k < lines_.end(); ++k) {
+    if (!lines_[k].is_there || lines_[k].walls.empty()) continue;
+    out.emplace_back();
+    for (const std::size_t number : lines_[k].walls) out.back().walls.push_back(walls_[number]);
   }
-  std::inplace_merge(entries_.begin(), entries_.begin() + n_stay, entries_.end(), [](const Entry& p, const Entry& q) { return p.first < q.first; });
-  for (Chain* chain : stale) find_walls(*chain, is_solid, finish, known);
-  std::vector<const WallBand*> out;
-  for (const Entry& entry : entries_)
-    for (const WallBand& one : entry.chain->bands) out.push_back(&one);
   return out;
 }
 
@@ -207,9 +249,8 @@ std::vector<WallBand> merge_segments(const std::vector<PlacedSegments>& scans, c
   WallMap map(options);
   for (const PlacedSegments& scan : scans)
     for (const Segment& segment : scan) map.add(segment, 1);
-  std::vector<WallBand> out;
-  for (const WallBand* band : map.update(is_solid, [](Wall&) {}, {})) out.push_back(*band);
-  return out;
+  map.update(is_solid, [](Wall&) {}, {});
+  return map.bands();
 }
 
 }  // namespace modslam

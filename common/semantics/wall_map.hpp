@@ -8,6 +8,8 @@
 #include <array>
 
 #include "common/semantics/boxes.hpp"
+#include "common/semantics/plan_index.hpp"
+#include "common/semantics/slots.hpp"
 #include "common/semantics/wall_band.hpp"
 
 namespace modslam {
@@ -25,45 +27,64 @@ class WallMap {
   /// A segment of one scan, map frame; sign -1 takes it back.
   void add(const Segment& segment, int sign) { blocks_.add(segment, sign); }
 
+  /// What became of the walls; `turned` stand on an object now and did not, or the other way round.
+  struct News : NumberNews {
+    Numbers turned;
+  };
   /// @param is_solid  whether the raster knows something solid around a place: a stretch that most beams passed is no wall. @param finish  fills in what
-  /// else a wall has. @param changed  plan_box()es in which the answers of either may be new. @return bands with a wall each, in an order that depends on nothing but what they are;
-  /// good until the next update.
-  std::vector<const WallBand*> update(const IsSolid& is_solid, const Finish& finish, const Boxes& changed);
+  /// else a wall has. @param changed  plan_box()es in which the answers of either may be new.
+  News update(const IsSolid& is_solid, const Finish& finish, const Boxes& changed);
+
+  /// By number. A wall keeps its number as long as its ends stay the same, to the bit; numbers say nothing about order.
+  const Slots<Wall>& walls() const { return walls_; }
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  struct Neighbours {
+    std::size_t before = kNone, after = kNone;
+  };
+  /// The walls before and after one on its band.
+  const Neighbours& beside(std::size_t number) const { return beside_[number]; }
+  /// All bands with a wall each.
+  std::vector<WallBand> bands() const;
 
  private:
   using Index = WallBlocks::Index;
   using Member = std::pair<Index, int>;   ///< block, number of the band in it
   using Links = std::vector<std::pair<Member, Member>>;
-  /// Bands that go on in each other, and the walls on them.
+  using Ends = std::array<double, 4>;
+  /// Bands that go on in each other, and the lines that they make.
   struct Chain {
     std::vector<Member> members;
-    cv::Rect from;                        ///< cells that its walls depend on, but for the bands
-    std::vector<WallBand> bands;
+    Numbers lines;
   };
-  using KnownWalls = std::map<std::array<double, 4>, Wall>;   ///< by both ends: of a long band with news at one end most walls stay
+  /// Bands that are one, with the walls on it, in order along it.
+  struct Line {
+    Band band;
+    Numbers walls;
+    bool is_there = true;
+    cv::Rect from() const;                ///< cells that its walls depend on, but for the band
+  };
 
   /// @param fresh  takes the bands that are not what they were.
   void find_bands(const Index& index, std::set<Member>& fresh);
   void find_links(const Index& index);
   std::vector<Member> dissolve(const std::set<Index>& blocks, std::vector<Chain>& dissolved);
   std::vector<std::vector<Member>> chains_of(const std::vector<Member>& loose) const;
-  cv::Rect surroundings(const std::vector<Member>& members) const;
-  void find_walls(Chain& chain, const IsSolid& is_solid, const Finish& finish, const KnownWalls& known) const;
+  void rejoin(const std::vector<Member>& loose, const std::set<Member>& fresh, std::vector<Chain>& dissolved, Numbers& gone, Numbers& come);
+  Numbers lines_near(const Boxes& changed) const;
+  News read_walls(const Numbers& gone, const Numbers& stale, const IsSolid& is_solid, const Finish& finish, const Boxes& changed);
   const Band& band(const Member& member) const { return bands_.at(member.first)[static_cast<std::size_t>(member.second)]; }
 
+  static constexpr double kSquare_m = 6.4;
   WallMapOptions options_;
   WallBlocks blocks_;
   std::map<Index, std::vector<Band>> bands_;
   std::map<Index, Links> links_;               ///< from a block to those after it
   std::map<Member, Chain> chains_;             ///< by first member
   std::map<Index, std::set<Member>> through_;  ///< first members of the chains that have bands in a block
-  /// Of the chains, in their order: what is asked of each of them in every update.
-  struct Entry {
-    Member first;
-    cv::Rect from;
-    Chain* chain;
-  };
-  std::vector<Entry> entries_;
+  Slots<Line> lines_;
+  PlanIndex line_index_{kSquare_m};
+  Slots<Wall> walls_;
+  std::vector<Neighbours> beside_;             ///< by number of the wall
 };
 
 /// Box of cells of 0.05 m from the map's origin around two corners.

@@ -1,33 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// @file Walls by number, with an index over the plan: who asks about a place meets only the walls near it.
+/// @file Some of the walls that have numbers, with an index over the plan: who asks about a place meets only the walls near it.
 #pragma once
-#include <array>
-#include <unordered_map>
-
 #include "common/semantics/plan_index.hpp"
+#include "common/semantics/slots.hpp"
 #include "common/semantics/types.hpp"
 
 namespace modslam {
 
-/// A wall keeps its number as long as its ends stay the same, to the bit. Numbers say nothing about order.
+/// Of a wall its line counts here; what else is known of it is what was known when it came.
 class WallSet {
  public:
-  /// Numbers. What is gone can be read until the next update.
-  struct News {
-    std::vector<std::size_t> gone, come;
-    bool empty() const { return gone.empty() && come.empty(); }
-  };
+  WallSet() = default;
+  /// All at once: the walls' numbers are their places in the list.
+  explicit WallSet(const std::vector<Wall>& walls);
 
-  News update(const std::vector<Wall>& walls);
+  /// @param doubtful  numbers that may have come or gone, others have not. @param belongs  says whether a number does.
+  template <class Belongs>
+  NumberNews news(Numbers doubtful, Belongs belongs) const {
+    tidy(doubtful);
+    NumberNews news;
+    for (const std::size_t number : doubtful)
+      if (const bool now = belongs(number); now != has(number)) (now ? news.come : news.gone).push_back(number);
+    return news;
+  }
+  void take(const NumberNews& news, const Slots<Wall>& walls);
 
-  /// Of the walls of the last update, in their order.
-  const std::vector<std::size_t>& numbers() const { return numbers_; }
+  bool has(std::size_t number) const { return number < is_in_.size() && is_in_[number]; }
+  /// Rising.
+  Numbers numbers() const;
   const Wall& operator[](std::size_t number) const { return walls_[number]; }
-  std::size_t size() const { return numbers_.size(); }
+  std::size_t size() const { return size_; }
   /// All numbers, also of walls that are gone, are below this.
   std::size_t end() const { return walls_.size(); }
-  /// Walls that may lie within `margin_m` of a box with corners p and q.
-  std::vector<std::size_t> near(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m) const { return index_.near(p, q, margin_m); }
+  /// Walls that may lie within `margin_m` of a box with corners p and q, lowest number first.
+  Numbers near(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m) const { return index_.near(p, q, margin_m); }
   /// The same, visited in no order, some more than once.
   template <class Visit>
   void each_near(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m, Visit visit) const {
@@ -35,17 +41,13 @@ class WallSet {
   }
 
  private:
-  using Ends = std::array<double, 4>;
-  struct Hash {
-    std::size_t operator()(const Ends& ends) const;
-  };
   static constexpr double kSquare_m = 3.2;
-  static Ends ends_of(const Wall& wall) { return {wall.a.x(), wall.a.y(), wall.b.x(), wall.b.y()}; }
-  std::size_t number_for(const Wall& wall);
+  void put(std::size_t number, const Wall& wall);
+  void drop(std::size_t number);
 
   std::vector<Wall> walls_;
-  std::vector<std::size_t> numbers_, places_, free_, gone_;   ///< places_: of a number in numbers_, when it was last there
-  std::unordered_map<Ends, std::size_t, Hash> number_of_;
+  std::vector<char> is_in_;
+  std::size_t size_ = 0;
   PlanIndex index_{kSquare_m};
 };
 

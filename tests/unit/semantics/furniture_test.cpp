@@ -41,17 +41,30 @@ std::vector<Wall> rooms(int count) {
 TEST_CASE("furniture after walls came, went and changed places is what all of it at once would be") {
   RandomStream random(kSeed, RandomStreamId::kLaser);
   const std::vector<Wall> all = rooms(12);
+  Slots<Wall> numbered;
+  for (const Wall& w : all) numbered.take(w);
   FurnitureMap map;
   int found = 0;
   double free_from_m = 60;
   for (int round = 0; round < 60; ++round) {
+    NumberNews news;
     std::vector<Wall> walls;
-    for (const Wall& w : all)
-      if (random.uniform(0, 1) < 0.8) walls.push_back(w);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const bool there = random.uniform(0, 1) < 0.8, was_there = map.walls().has(k);
+      if (there) walls.push_back(all[k]);
+      if (there != was_there) (there ? news.come : news.gone).push_back(k);
+    }
     const bool seen_more = round % 2 == 0;
     if (seen_more) free_from_m = random.uniform(0, 60);
     const auto is_free = [&](const Eigen::Vector2d& p) { return p.x() > free_from_m; };
-    const std::vector<bool> kept = map.update(walls, is_free, seen_more ? std::vector<PlanBox>{{{0, -1}, {60, 5}}} : std::vector<PlanBox>{});
+    std::vector<bool> before, kept;
+    for (std::size_t k = 0; k < all.size(); ++k) before.push_back(round > 0 && map.is_furniture(k));
+    const Numbers touched = map.update(news, numbered, is_free, seen_more ? std::vector<PlanBox>{{{0, -1}, {60, 5}}} : std::vector<PlanBox>{});
+    for (const std::size_t k : map.walls().numbers()) {
+      kept.push_back(map.is_furniture(k));
+      const auto is_told = [&](const Numbers& numbers) { return std::find(numbers.begin(), numbers.end(), k) != numbers.end(); };
+      REQUIRE((map.is_furniture(k) == before[k] || is_told(touched) || is_told(news.come)));
+    }
     REQUIRE(kept == find_furniture(walls, is_free));
     found += static_cast<int>(std::count(kept.begin(), kept.end(), true));
   }
@@ -65,19 +78,26 @@ TEST_CASE("the other face of a thick wall tells a face between a cupboard and a 
   REQUIRE_FALSE(find_furniture(walls, nowhere_free)[2]);
 }
 
-TEST_CASE("a wall keeps its number while others come and go, and is found near its place only") {
+TEST_CASE("of numbered walls those in a set are found near their places only, and what is gone can still be read") {
+  Slots<Wall> numbered;
+  const std::size_t first = numbered.take(wall(0, 0, 4, 0)), second = numbered.take(wall(40, 0, 44, 0));
   WallSet set;
-  const std::vector<Wall> first = {wall(0, 0, 4, 0), wall(40, 0, 44, 0)};
-  REQUIRE(set.update(first).come.size() == 2);
-  const std::size_t number = set.numbers()[1];
-  const WallSet::News news = set.update({wall(9, 9, 12, 9), first[1]});
-  REQUIRE(news.gone.size() == 1);
-  REQUIRE(news.come.size() == 1);
+  set.take({{}, {first, second}}, numbered);
+  REQUIRE(set.size() == 2);
+  numbered.give_back(first);
+  const std::size_t third = numbered.take(wall(9, 9, 12, 9));
+  REQUIRE(third != first);  // only from the next round on
+  const NumberNews news = set.news({third, first, second, third}, [&](std::size_t k) { return k != first; });
+  REQUIRE(news.gone == Numbers{first});
+  REQUIRE(news.come == Numbers{third});
+  set.take(news, numbered);
   REQUIRE(set[news.gone[0]].b == Eigen::Vector2d(4, 0));
-  REQUIRE(set.numbers()[1] == number);
-  REQUIRE(set.near({41, -1}, {42, 1}, 0.5) == std::vector<std::size_t>{number});
+  REQUIRE(set.numbers() == Numbers{second, third});
+  REQUIRE(set.near({41, -1}, {42, 1}, 0.5) == Numbers{second});
   REQUIRE(set.near({0, 0}, {1, 0}, 0.5).empty());
-  REQUIRE(set.update({first[1], wall(9, 9, 12, 9)}).empty());
+  REQUIRE(set.news({first, second, third}, [&](std::size_t k) { return set.has(k); }).empty());
+  numbered.next_round();
+  REQUIRE(numbered.take(wall(1, 1, 2, 1)) == first);
 }
 
 TEST_CASE("a long counter is furniture where wall is seen in line behind both its ends, else a wall") {
@@ -110,8 +130,11 @@ TEST_CASE("two faces that nothing joins to others are a piece of wall when they 
 
 TEST_CASE("what stands before a wall has a footprint from its front to the wall, once, whatever else was seen of it") {
   const std::vector<Wall> walls = {wall(0, 0, 6, 0), wall(6, 5, 0, 5), wall(2, 0.6, 3.6, 0.6), wall(2.2, 0.5, 3.2, 0.5)};
+  Slots<Wall> numbered;
+  NumberNews news;
+  for (const Wall& w : walls) news.come.push_back(numbered.take(w));
   FurnitureMap map;
-  map.update(walls, nowhere_free, {});
+  map.update(news, numbered, nowhere_free, {});
   const auto found = map.footprints(nowhere_free);
   REQUIRE(found.size() == 1);
   REQUIRE((found[0][0] - Eigen::Vector2d(2, 0)).norm() < 1e-9);
@@ -119,9 +142,9 @@ TEST_CASE("what stands before a wall has a footprint from its front to the wall,
   // The floor is asked for again where it is new.
   const auto all_free = [](const Eigen::Vector2d&) { return true; };
   REQUIRE(map.footprints(all_free).size() == 1);
-  map.update(walls, nowhere_free, {{Eigen::Vector2d(-1, -1), Eigen::Vector2d(7, 6)}});
+  map.update({}, numbered, nowhere_free, {{Eigen::Vector2d(-1, -1), Eigen::Vector2d(7, 6)}});
   REQUIRE(map.footprints(all_free).empty());
-  map.update({walls[0], walls[1]}, nowhere_free, {});
+  map.update({{2, 3}, {}}, numbered, nowhere_free, {});
   REQUIRE(map.footprints(nowhere_free).empty());
 }
 
