@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <set>
 #include <tuple>
+#include <utility>
 
 #include "common/semantics/cut_features.hpp"
 
@@ -118,6 +118,12 @@ void drop_twins(std::vector<FloorCut>& cuts, double near) {
 void OpeningMap::grow(const Growth& growth) {
   static_assert(kFrameCells % kPlanBlock == 0, "blocks stay whole when the frame grows");
   const Vec shift(growth.shift.x, growth.shift.y);
+  const auto moved = [&](const Index& index) { return Index(index.first + growth.shift.x / kPlanBlock, index.second + growth.shift.y / kPlanBlock); };
+  for (std::set<Index>* indices : {&with_news_, &untold_}) {
+    std::set<Index> now;
+    for (const Index& index : *indices) now.insert(moved(index));
+    *indices = std::move(now);
+  }
   std::map<Index, Block> blocks;
   for (auto& [index, block] : blocks_) {
     block.box += growth.shift;
@@ -128,9 +134,22 @@ void OpeningMap::grow(const Growth& growth) {
       if (m.cut.to_corner) m.cut.second.p += shift;
       for (cv::Rect* box : {&m.reads.open, &m.reads.clearance, &m.reads.solid}) *box += growth.shift;
     }
-    blocks.emplace(Index(index.first + growth.shift.x / kPlanBlock, index.second + growth.shift.y / kPlanBlock), std::move(block));
+    blocks.emplace(moved(index), std::move(block));
   }
   blocks_ = std::move(blocks);
+}
+
+/// Blocks that a box reaches into, by rising index.
+template <class Visit>
+void OpeningMap::each_near(const cv::Rect& box, Visit visit) {
+  const auto index_of = [](int cell) { return cvFloor(static_cast<double>(cell) / kPlanBlock); };
+  for (int column = index_of(box.x); column * kPlanBlock < box.br().x; ++column) {
+    const int first = index_of(box.y);
+    for (auto block = blocks_.lower_bound({column, first}); block != blocks_.end() && block->first.first == column; ++block) {
+      if (block->first.second * kPlanBlock >= box.br().y) break;
+      visit(block->first, block->second);
+    }
+  }
 }
 
 std::vector<const OpeningMap::Block*> OpeningMap::around(const Index& index) const {
@@ -162,10 +181,12 @@ Boxes OpeningMap::retrace(const Floor& floor, const Boxes& open) {
 
 void OpeningMap::recollect(const Floor& floor, const Boxes& changed) {
   const double reach = max_width_m_ / floor.resolution_m, shortest = kNarrowest_m / floor.resolution_m;
-  const cv::Rect all = bounds(changed);
-  for (auto& [index, block] : blocks_) {
-    block.news.clear();
-    if (!meet(all, grown(block.box, static_cast<int>(reach) + 2)) || !meet(changed, grown(block.box, static_cast<int>(reach) + 2))) continue;
+  for (const Index& index : with_news_) blocks_.at(index).news.clear();
+  with_news_.clear();
+  if (changed.empty()) return;
+  const int margin = static_cast<int>(reach) + 2;
+  each_near(grown(bounds(changed), margin), [&](const Index& index, Block& block) {
+    if (!meet(changed, grown(block.box, margin))) return;
     std::vector<FloorCut> cuts;
     std::vector<Candidate> to_corners, to_edges;
     const std::vector<const Block*> neighbours = around(index);
@@ -191,12 +212,12 @@ void OpeningMap::recollect(const Floor& floor, const Boxes& changed) {
       keep_shortest(floor, corner, to_edges, cuts);
     }
     drop_twins(cuts, kTwins_m / floor.resolution_m);
-    take_cuts(block, cuts);
-  }
+    take_cuts(index, block, cuts);
+  });
 }
 
 /// Cuts that were there keep what was measured of them. Both lists are in order.
-void OpeningMap::take_cuts(Block& block, const std::vector<FloorCut>& cuts) {
+void OpeningMap::take_cuts(const Index& index, Block& block, const std::vector<FloorCut>& cuts) {
   Boxes& news = block.news;
   std::vector<Measured> now(cuts.size());
   auto before = block.cuts.begin();
@@ -211,7 +232,9 @@ void OpeningMap::take_cuts(Block& block, const std::vector<FloorCut>& cuts) {
   }
   for (; before != block.cuts.end(); ++before) news.push_back(box_of(before->cut));
   block.cuts = std::move(now);
-  block.told = block.told && news.empty();
+  if (news.empty()) return;
+  with_news_.insert(index);
+  untold_.insert(index);
 }
 
 double OpeningMap::narrowest_near(const Index& index, const FloorCut& cut, double cell_m) const {
@@ -242,7 +265,7 @@ void OpeningMap::measure(const Index& index, const CutFeatures& features, double
       changes = features.measure_walls(m.opening);
     }
     if (changes) m.opening.probability = model_.probability(m.opening.features.data());
-    block.told = block.told && !changes;
+    if (changes) untold_.insert(index);
   }
 }
 
@@ -260,10 +283,15 @@ void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallS
   const int reach = static_cast<int>(max_width_m_ / floor.resolution_m) + 2;
   const int look = reach + static_cast<int>(std::max(kFarthestLook_m, 4 * max_width_m_) / floor.resolution_m) + 2;
   std::set<Index> beside_news;
-  for (const auto& [index, block] : blocks_)
-    for (int k = 0; k < 9 && !block.news.empty(); ++k) beside_news.insert({index.first + k % 3 - 1, index.second + k / 3 - 1});
-  for (const auto& [index, block] : blocks_) {
-    bool any = !beside_news.empty() && beside_news.count(index) > 0;
+  cv::Rect reached;
+  for (const Index& index : with_news_) {
+    for (int k = 0; k < 9; ++k) beside_news.insert({index.first + k % 3 - 1, index.second + k / 3 - 1});
+    reached |= grown(blocks_.at(index).box, kPlanBlock);
+  }
+  for (const Boxes* boxes : {&all.open, &all.clearance, &all.solid, &all.walls})
+    if (boxes->front().area() > 0) reached |= grown(boxes->front(), look);
+  each_near(reached, [&](const Index& index, const Block& block) {
+    bool any = beside_news.count(index) > 0;
     News here;
     for (const auto& [kind, far] : {std::pair(&News::open, look), std::pair(&News::clearance, look), std::pair(&News::solid, 2 * reach), std::pair(&News::walls, 2 * reach)}) {
       const cv::Rect window = grown(block.box, far) & cv::Rect({0, 0}, floor.open.size());
@@ -271,15 +299,14 @@ void OpeningMap::update(const Floor& floor, const KnownSpace& space, const WallS
       any = any || !(here.*kind).empty();
     }
     if (any) measure(index, features, space.resolution_m, here);
-  }
+  });
 }
 
 GapNews OpeningMap::take_news(const CutLimits& limits) {
   GapNews news;
   const auto order = [](const Gap& p, const Gap& q) { return p.order() < q.order(); };
-  for (auto& [index, block] : blocks_) {
-    if (block.told) continue;
-    block.told = true;
+  for (const Index& index : std::exchange(untold_, {})) {
+    Block& block = blocks_.at(index);
     std::vector<Gap> now;
     for (const Measured& m : block.cuts)
       if (limits.take(m.opening)) now.push_back(m.opening);

@@ -4,6 +4,7 @@
 #pragma once
 #include <array>
 #include <map>
+#include <set>
 #include <tuple>
 #include <vector>
 
@@ -102,8 +103,7 @@ class OpeningMap {
     cv::Rect box;
     Outline outline;
     std::vector<Measured> cuts;              ///< shortest first
-    bool told = false;                       ///< take_news() knows of them, ...
-    std::vector<Gap> gaps;                   ///< ... and told of these the last time
+    std::vector<Gap> gaps;                   ///< take_news() told of these the last time
     Boxes news;                              ///< middles of cuts that came or went in this round
   };
   /// Where things are new that features depend on.
@@ -114,7 +114,9 @@ class OpeningMap {
 
   Boxes retrace(const Floor& floor, const Boxes& open);
   void recollect(const Floor& floor, const Boxes& changed);
-  static void take_cuts(Block& block, const std::vector<FloorCut>& cuts);
+  void take_cuts(const Index& index, Block& block, const std::vector<FloorCut>& cuts);
+  template <class Visit>
+  void each_near(const cv::Rect& box, Visit visit);
   std::vector<const Block*> around(const Index& index) const;
   double narrowest_near(const Index& index, const FloorCut& cut, double cell_m) const;
   void measure(const Index& index, const CutFeatures& features, double cell_m, const News& news);
@@ -122,6 +124,8 @@ class OpeningMap {
   double max_width_m_;
   OpeningModel model_;
   std::map<Index, Block> blocks_;
+  std::set<Index> with_news_;     ///< blocks where cuts came or went in this round, ...
+  std::set<Index> untold_;        ///< ... and those that take_news() does not know of
 };
 
 /// All cuts of at most max_width_m that a corner of the floor's outline takes part in, with features and probability.
