@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace modslam {
 namespace {
@@ -16,17 +17,22 @@ std::array<double, 4> ends_of(const Wall& wall) { return {wall.a.x(), wall.a.y()
 /// Heaviest first, each takes what fits of the rest, until none fits any more.
 std::vector<Band> joined(std::vector<Band> bands, const WallMapOptions& options) {
   std::stable_sort(bands.begin(), bands.end(), [](const Band& p, const Band& q) { return p.points() > q.points(); });
-  for (std::size_t i = 0; i < bands.size(); ++i)
+  std::vector<char> taken(bands.size(), false);
+  std::vector<Band> out;
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    if (taken[i]) continue;
     for (std::size_t j = i + 1; j < bands.size();) {
-      if (!bands[i].takes(bands[j], options)) {
+      if (taken[j] || !bands[i].takes(bands[j], options)) {
         ++j;
         continue;
       }
       bands[i].absorb(bands[j]);
-      bands.erase(bands.begin() + static_cast<std::ptrdiff_t>(j));
+      taken[j] = true;
       j = i + 1;  // the longer band may reach others now
     }
-  return bands;
+    out.push_back(std::move(bands[i]));
+  }
+  return out;
 }
 
 }  // namespace
@@ -37,7 +43,8 @@ cv::Rect plan_box(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double mar
   return {cv::Point(down(low.x()), down(low.y())), cv::Point(down(high.x()) + 1, down(high.y()) + 1)};
 }
 
-void WallMap::find_bands(const Index& index, std::set<Member>& fresh) {
+/// @param fresh  takes the bands that are not what they were. @return whether they are as many.
+bool WallMap::find_bands(const Index& index, std::set<Member>& fresh) {
   std::vector<Band> bands;
   const auto block = blocks_.blocks().find(index);
   if (block != blocks_.blocks().end())
@@ -47,14 +54,15 @@ void WallMap::find_bands(const Index& index, std::set<Member>& fresh) {
   std::vector<Band>& known = bands_[index];
   for (std::size_t k = 0; k < bands.size(); ++k)
     if (k >= known.size() || !(bands[k] == known[k])) fresh.emplace(index, static_cast<int>(k));
+  const bool as_many = bands.size() == known.size();
   known = std::move(bands);
+  return as_many;
 }
 
-void WallMap::find_links(const Index& index) {
-  Links& links = links_[index];
-  links.clear();
+WallMap::Links WallMap::links_of(const Index& index) const {
+  Links links;
   const auto here = bands_.find(index);
-  if (here == bands_.end()) return;
+  if (here == bands_.end()) return links;
   for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1), std::pair(1, 1), std::pair(-1, 1)}) {
     const Index next(index.first + dx, index.second + dy);
     const auto there = bands_.find(next);
@@ -66,6 +74,18 @@ void WallMap::find_links(const Index& index) {
         if ((first_is_longer ? p : q).takes(first_is_longer ? q : p, options_)) links.push_back({{index, static_cast<int>(i)}, {next, static_cast<int>(j)}});
       }
   }
+  return links;
+}
+
+/// @param relinked  takes blocks that links come or go between.
+void WallMap::find_links(const Index& index, std::set<Index>& relinked) {
+  Links links = links_of(index);
+  Links& known = links_[index];
+  if (links == known) return;
+  relinked.insert(index);
+  for (const Links* those : {&links, &known})
+    for (const auto& [from, to] : *those) relinked.insert(to.first);
+  known = std::move(links);
 }
 
 /// Takes the chains that run through any of the blocks apart. @return all their bands, and all bands of these blocks.
@@ -120,25 +140,42 @@ std::vector<std::vector<WallMap::Member>> WallMap::chains_of(const std::vector<M
 
 cv::Rect WallMap::Line::from() const { return plan_box(band.low_end(), band.high_end(), kAround_m); }
 
-/// Chains of bands that are not linked any more as they were are joined anew; lines that come out as they were stay. @param gone, come  take lines.
-void WallMap::rejoin(const std::vector<Member>& loose, const std::set<Member>& fresh, std::vector<Chain>& dissolved, Numbers& gone, Numbers& come) {
-  const auto is_fresh = [&](const Member& member) { return fresh.count(member) > 0; };
-  std::vector<Chain> anew;
+/// @return first members of chains whose lines are not known.
+std::set<WallMap::Member> WallMap::rechain(const std::set<Index>& blocks, const std::set<Member>& fresh, Numbers& gone) {
+  std::vector<Chain> dissolved;
+  const std::vector<Member> loose = dissolve(blocks, dissolved);
+  std::set<Member> stale;
   for (std::vector<Member>& members : chains_of(loose)) {
     const Member first = members.front();
     for (const Member& member : members) through_[member.first].insert(first);
     Chain& chain = chains_[first];
     chain.members = std::move(members);
     const auto same = std::find_if(dissolved.begin(), dissolved.end(), [&](const Chain& old) { return old.members == chain.members; });
-    if (same == dissolved.end() || std::any_of(chain.members.begin(), chain.members.end(), is_fresh)) anew.push_back({chain.members, {}});
-    else chain.lines = std::move(same->lines), same->lines.clear();
+    if (same == dissolved.end()) stale.insert(first);
+    else chain.lines = std::exchange(same->lines, {});
   }
   for (const Chain& chain : dissolved) gone.insert(gone.end(), chain.lines.begin(), chain.lines.end());
-  for (const Chain& chain : anew) {
+  for (const Member& member : fresh)
+    for (const Member& first : through_.at(member.first)) {
+      const std::vector<Member>& members = chains_.at(first).members;
+      if (std::binary_search(members.begin(), members.end(), member)) stale.insert(first);
+    }
+  return stale;
+}
+
+/// Makes the chains' lines; those that come out as they were stay. @param gone  lines that are in no chain any more; takes others. @return new lines.
+Numbers WallMap::join(const std::set<Member>& chains, Numbers& gone) {
+  Numbers come;
+  for (const Member& first : chains) {
+    Numbers& lines = chains_.at(first).lines;
+    gone.insert(gone.end(), lines.begin(), lines.end());
+    lines.clear();
+  }
+  for (const Member& first : chains) {
+    Chain& chain = chains_.at(first);
+    Numbers& lines = chain.lines;
     std::vector<Band> bands;
     for (const Member& member : chain.members) bands.push_back(band(member));
-    Numbers& lines = chains_.at(chain.members.front()).lines;
-    lines.clear();
     for (Band& one : joined(std::move(bands), options_)) {
       const auto same = std::find_if(gone.begin(), gone.end(), [&](std::size_t k) { return lines_[k].band == one; });
       if (same != gone.end()) {
@@ -156,6 +193,7 @@ void WallMap::rejoin(const std::vector<Member>& loose, const std::set<Member>& f
     lines_[k].is_there = false;
     lines_.give_back(k);
   }
+  return come;
 }
 
 Numbers WallMap::lines_near(const Boxes& changed) const {
@@ -215,20 +253,16 @@ WallMap::News WallMap::update(const IsSolid& is_solid, const Finish& finish, con
   walls_.next_round();
   lines_.next_round();
   const std::set<Index> news = blocks_.take_changed();
-  std::set<Index> relink, around;
-  for (const Index& index : news) {
+  std::set<Index> relink, relinked;
+  for (const Index& index : news)
     for (const auto& [dx, dy] : {std::pair(0, 0), std::pair(-1, 0), std::pair(0, -1), std::pair(-1, -1), std::pair(1, -1)})
       relink.insert({index.first + dx, index.second + dy});
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) around.insert({index.first + dx, index.second + dy});
-  }
   std::set<Member> fresh;
-  for (const Index& index : news) find_bands(index, fresh);
-  for (const Index& index : relink) find_links(index);
-  std::vector<Chain> dissolved;
-  const std::vector<Member> loose = dissolve(around, dissolved);
-  Numbers gone, stale;
-  rejoin(loose, fresh, dissolved, gone, stale);
+  for (const Index& index : news)
+    if (!find_bands(index, fresh)) relinked.insert(index);
+  for (const Index& index : relink) find_links(index, relinked);
+  Numbers gone;
+  Numbers stale = join(rechain(relinked, fresh, gone), gone);
   const Numbers near = lines_near(changed);
   stale.insert(stale.end(), near.begin(), near.end());
   tidy(stale);

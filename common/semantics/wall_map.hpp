@@ -64,12 +64,13 @@ class WallMap {
     cv::Rect from() const;                ///< cells that its walls depend on, but for the band
   };
 
-  /// @param fresh  takes the bands that are not what they were.
-  void find_bands(const Index& index, std::set<Member>& fresh);
-  void find_links(const Index& index);
+  bool find_bands(const Index& index, std::set<Member>& fresh);
+  Links links_of(const Index& index) const;
+  void find_links(const Index& index, std::set<Index>& relinked);
   std::vector<Member> dissolve(const std::set<Index>& blocks, std::vector<Chain>& dissolved);
   std::vector<std::vector<Member>> chains_of(const std::vector<Member>& loose) const;
-  void rejoin(const std::vector<Member>& loose, const std::set<Member>& fresh, std::vector<Chain>& dissolved, Numbers& gone, Numbers& come);
+  std::set<Member> rechain(const std::set<Index>& blocks, const std::set<Member>& fresh, Numbers& gone);
+  Numbers join(const std::set<Member>& chains, Numbers& gone);
   Numbers lines_near(const Boxes& changed) const;
   News read_walls(const Numbers& gone, const Numbers& stale, const IsSolid& is_solid, const Finish& finish, const Boxes& changed);
   const Band& band(const Member& member) const { return bands_.at(member.first)[static_cast<std::size_t>(member.second)]; }
