@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 namespace modslam {
 namespace {
@@ -69,26 +70,44 @@ bool DoorStates::stays(State& state, Door& door, std::size_t n_nodes, const std:
 }
 
 void DoorStates::update(const SemanticLayers& before, SemanticLayers& now, std::size_t n_nodes, const std::function<View(std::size_t)>& view) {
-  std::unordered_map<std::int64_t, State> states(now.doors.size());
+  // Lists change little: most doors follow the one that they followed before.
+  std::unordered_map<std::int64_t, std::size_t> others;
+  std::vector<char> taken(states_.size(), false);
+  std::size_t expected = 0;
+  const auto find = [&](std::int64_t id) {
+    if (expected < states_.size() && states_[expected].door == id) return expected++;
+    if (others.empty())
+      for (std::size_t k = 0; k < states_.size(); ++k) others.emplace(states_[k].door, k);
+    const auto found = others.find(id);
+    if (found == others.end()) return states_.size();
+    expected = found->second + 1;
+    return found->second;
+  };
+  std::vector<State> states;
+  states.reserve(now.doors.size());
   for (Door& door : now.doors) {
-    auto known = states_.extract(door.id);  // no copy: doors are many
-    State& state = known ? states.insert(std::move(known)).position->second : states[door.id];
+    const std::size_t known = find(door.id);
+    if (known < states_.size()) taken[known] = true;
+    states.push_back(known < states_.size() ? states_[known] : State());
+    State& state = states.back();
+    state.door = door.id;
     ask(state, door, n_nodes, view);
     door.closed = state.log_odds < 0;
     state.kept = false;
   }
   // What is left is no opening any more.
   const std::size_t n_openings = now.doors.size();
-  for (const Door& opening : before.doors) {
-    const auto known = states_.find(opening.id);
-    if (known == states_.end()) continue;
-    Door door = opening;
+  for (std::size_t k = 0; k < states_.size(); ++k) {
+    if (taken[k]) continue;
+    const auto opening = std::find_if(before.doors.begin(), before.doors.end(), [&](const Door& one) { return one.id == states_[k].door; });
+    if (opening == before.doors.end()) continue;
+    Door door = *opening;
     const auto is_same = [&](const Door& other) { return (other.centre() - door.centre()).norm() < kSameDoor_m; };
     if (std::any_of(now.doors.begin(), now.doors.begin() + static_cast<std::ptrdiff_t>(n_openings), is_same)) continue;
-    if (!stays(known->second, door, n_nodes, view)) continue;
+    if (!stays(states_[k], door, n_nodes, view)) continue;
     for (std::int64_t* room : {&door.room_a, &door.room_b})
       if (std::none_of(now.rooms.begin(), now.rooms.end(), [&](const Room& one) { return one.id == *room; })) *room = 0;
-    states[door.id] = known->second;
+    states.push_back(states_[k]);
     now.doors.push_back(door);
   }
   states_ = std::move(states);

@@ -2,7 +2,7 @@
 /// @file Open or closed: what the scans of all nodes say of each door, the newest most.
 #pragma once
 #include <functional>
-#include <unordered_map>
+#include <vector>
 
 #include "common/scan/scan.hpp"
 #include "common/semantics/types.hpp"
@@ -28,6 +28,7 @@ class DoorStates {
 
  private:
   struct State {
+    std::int64_t door = 0;          ///< id
     double log_odds = 1;            ///< of open: it was found as an opening
     int seen_open = 0;
     bool kept = false;              ///< it is no opening to the map any more
@@ -38,7 +39,7 @@ class DoorStates {
   static bool stays(State& state, Door& door, std::size_t n_nodes, const std::function<View(std::size_t)>& view);
   static void ask(State& state, const Door& door, std::size_t n_nodes, const std::function<View(std::size_t)>& view);
 
-  std::unordered_map<std::int64_t, State> states_;  ///< by id
+  std::vector<State> states_;  ///< in the order of the doors that they were told of
 };
 
 }  // namespace modslam
