@@ -66,7 +66,7 @@ Boxes boxes_of(const NumberNews& news, const WallSet& walls, const KnownSpace& s
 /// What stands before a wall, as an object.
 Object at_wall(const std::array<Eigen::Vector2d, 4>& ring) {
   Object object;
-  object.outline.assign(ring.begin(), ring.end());
+  object.outline = Corners::Points(ring.begin(), ring.end());
   object.area_m2 = polygon_area_m2(object.outline);
   const double front_m = (ring[1] - ring[0]).norm();
   const ObjectClass guess = front_m < kWholeFront_m ? ObjectClass() : classify_footprint(front_m, (ring[2] - ring[1]).norm());
@@ -78,9 +78,14 @@ Object at_wall(const std::array<Eigen::Vector2d, 4>& ring) {
 
 /// A door leads to rooms; a small space behind it that is none was seen through it and may be anything.
 void drop_doors_to_glimpses(std::vector<Door>& doors, const Partition& partition, const std::vector<Room>& rooms, double cell_m, double glimpse_m2) {
-  std::set<int> doubtful = glimpses(partition, cell_m, glimpse_m2);
-  for (const Room& room : rooms) doubtful.erase(room.region);
-  const auto leads_there = [&](const Door& door) { return doubtful.count(door.region_a) + doubtful.count(door.region_b) > 0; };
+  std::vector<int> regions;
+  for (const Room& room : rooms) regions.push_back(room.region);
+  std::sort(regions.begin(), regions.end());
+  const auto is_doubtful = [&](int number) {
+    const FloorRegion* region = partition.find(number);
+    return region && region->is_glimpse(cell_m, glimpse_m2) && !std::binary_search(regions.begin(), regions.end(), number);
+  };
+  const auto leads_there = [&](const Door& door) { return is_doubtful(door.region_a) || is_doubtful(door.region_b); };
   doors.erase(std::remove_if(doors.begin(), doors.end(), leads_there), doors.end());
 }
 

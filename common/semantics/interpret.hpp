@@ -54,7 +54,7 @@ class Interpreter {
   WallSet known_walls_;             ///< those that are not, before those in rooms are dropped
   WallEnds wall_ends_;              ///< of these
   struct Ring {
-    std::vector<Eigen::Vector2d> outline;
+    Corners outline;
     cv::Rect box;                   ///< of cells around it
     bool stays = true;              ///< in this round
   };

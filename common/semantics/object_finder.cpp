@@ -76,10 +76,11 @@ Boxes update_objects(ObjectMap& map, const KnownSpace& space, const Floor& floor
   const cv::Size frame = space.occupancy.size();
   if (map.mask.size() != frame) map = {{}, cv::Mat1b(frame, std::uint8_t{0})};
   const Boxes touched = windows(changed, 1, frame);
+  const cv::Rect all = bounds(touched);
   Boxes stirred;
   const auto is_touched = [&](const ObjectMap::Footprint& footprint) {
     const Island &island = footprint.island, &whole = footprint.whole;
-    const bool touches = std::any_of(touched.begin(), touched.end(), [&](const cv::Rect& box) {
+    const bool touches = meet(all, whole.box) && std::any_of(touched.begin(), touched.end(), [&](const cv::Rect& box) {
       const cv::Rect common = (box & whole.box) - whole.box.tl();
       return common.area() > 0 && cv::countNonZero(whole.mask(common)) > 0;
     });
@@ -99,6 +100,7 @@ Boxes update_objects(ObjectMap& map, const KnownSpace& space, const Floor& floor
       map.objects.push_back(found);
     }
   }
+  if (stirred.empty()) return stirred;
   std::sort(map.objects.begin(), map.objects.end(), [](const auto& p, const auto& q) {
     const auto order = [](const Island& island) { return std::tuple(island.box.y, island.box.x, island.cells); };
     return order(p.island) < order(q.island);

@@ -232,8 +232,11 @@ std::vector<int> FloorParter::number_regions(const std::vector<int>& roots, cons
   unpainted_ = std::move(found.new_in);
   const std::vector<int>& numbers = found.of_root;
   partition_.regions.clear();
-  for (std::size_t root = 1; root < joined.size(); ++root)
-    if (numbers[root] > 0) partition_.regions.emplace(numbers[root], joined[root]);
+  for (std::size_t root = 1; root < joined.size(); ++root) {
+    joined[root].number = numbers[root];
+    if (numbers[root] > 0) partition_.regions.push_back(joined[root]);
+  }
+  std::sort(partition_.regions.begin(), partition_.regions.end(), [](const FloorRegion& p, const FloorRegion& q) { return p.number < q.number; });
   std::vector<int> number_of(roots.size(), 0);
   for (std::size_t k = 1; k < roots.size(); ++k) number_of[k] = numbers[static_cast<std::size_t>(roots[k])];
   number_of_.assign(cluster_of_.size(), 0);
@@ -328,7 +331,7 @@ void FloorParter::grow(const Growth& growth) {
   tiles_.grow(growth);
   parted_ = grown(parted_, growth, 0);
   partition_.labels = grown(partition_.labels, growth, 0);
-  for (auto& [number, region] : partition_.regions) region.box += growth.shift;
+  for (FloorRegion& region : partition_.regions) region.box += growth.shift;
 }
 
 Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vector<Wall>& walls, const std::vector<Opening>& openings,
@@ -342,11 +345,9 @@ Partition part_floor(const Floor& floor, const KnownSpace& space, const std::vec
   return parter.partition();
 }
 
-std::set<int> glimpses(const Partition& partition, double cell_m, double most_m2) {
-  std::set<int> out;
-  for (const auto& [number, region] : partition.regions)
-    if (region.ways == 1 && region.cells * cell_m * cell_m < most_m2) out.insert(number);
-  return out;
+const FloorRegion* Partition::find(int number) const {
+  const auto found = std::lower_bound(regions.begin(), regions.end(), number, [](const FloorRegion& region, int wanted) { return region.number < wanted; });
+  return found != regions.end() && found->number == number ? &*found : nullptr;
 }
 
 }  // namespace modslam

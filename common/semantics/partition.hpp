@@ -13,20 +13,24 @@ namespace modslam {
 
 /// A region of the floor after small ones joined their neighbours.
 struct FloorRegion {
+  int number = 0;         ///< stays as long as the region stays the same
   cv::Rect box;
   int cells = 0;
   bool parking = false;   ///< gaps between parked cars belong to it
   int ways = 0;           ///< ends of cuts that part it from others
+
+  /// Whether it is small, with one way in. When it is not closed in it is no more than what was seen through that way.
+  bool is_glimpse(double cell_m, double most_m2) const { return ways == 1 && cells * cell_m * cell_m < most_m2; }
 };
 
 struct Partition {
   cv::Mat1i labels;                    ///< 0: no floor; else the number of the region
-  std::map<int, FloorRegion> regions;  ///< by number; a region keeps its number as long as it stays the same
+  std::vector<FloorRegion> regions;    ///< by rising number
   std::vector<CutOpening> cuts;        ///< surest first; each parts two regions
-};
 
-/// Small regions with one way in. When they are not closed in they are no more than what was seen through that way.
-std::set<int> glimpses(const Partition& partition, double cell_m, double most_m2);
+  /// Null: there is none of that number.
+  const FloorRegion* find(int number) const;
+};
 
 struct PartitionOptions {
   CutLimits cuts;

@@ -64,6 +64,7 @@ std::map<std::int64_t, std::vector<std::int64_t>> gathered(const std::vector<Roo
 
 std::vector<RoomEvent> room_events(const std::vector<Room>& before, const std::vector<Room>& now) {
   std::vector<RoomEvent> events;
+  if (std::equal(before.begin(), before.end(), now.begin(), now.end(), [](const Room& p, const Room& q) { return p.id == q.id; })) return events;
   for (const auto& [whole, parts] : gathered(before, now))
     if (parts.size() > 1) events.push_back({RoomEvent::Kind::kMerge, parts, {whole}});
   for (const auto& [whole, parts] : gathered(now, before))

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <opencv2/imgproc.hpp>
-#include <unordered_map>
+#include <utility>
 
 namespace modslam {
 namespace {
@@ -27,16 +27,15 @@ double doorway_m(const Gap& cut, const Eigen::Vector2d& n, IsFloor is_floor) {
 
 }  // namespace
 
-RoomPatch RoomMap::patch_of(int region, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse) const {
+RoomPatch RoomMap::patch_of(const FloorRegion& region, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse) const {
   const double cell_m = space.resolution_m;
-  const FloorRegion& found = partition.regions.at(region);
-  const cv::Rect box = grown(found.box, kMargin) & cv::Rect({0, 0}, space.occupancy.size());
+  const cv::Rect box = grown(region.box, kMargin) & cv::Rect({0, 0}, space.occupancy.size());
   const int reach = static_cast<int>(std::lround(kReach_m / cell_m));
   const cv::Rect wide = grown(box, reach) & cv::Rect({0, 0}, space.occupancy.size());
   cv::Mat1b barrier = floor.solid(wide).clone(), doorways(box.size(), std::uint8_t{0});
   const auto is_floor = [&](const Eigen::Vector2d& p) {
     const cv::Point c = space.cell(p);
-    return box.contains(c) && partition.labels(c) == region;
+    return box.contains(c) && partition.labels(c) == region.number;
   };
   const Eigen::Vector2d low = space.centre(wide.tl()).array() - 2 * kDoorway_m, high = space.centre(wide.br()).array() + 2 * kDoorway_m;
   for (const CutOpening& cut : partition.cuts) {
@@ -51,62 +50,76 @@ RoomPatch RoomMap::patch_of(int region, const Partition& partition, const Floor&
     cv::fillConvexPoly(doorways, ring, cv::Scalar(255));
   }
   cv::dilate(barrier, barrier, cv::getStructuringElement(cv::MORPH_RECT, {2 * reach + 1, 2 * reach + 1}));
-  RoomPatch patch{{}, {}, barrier(box - wide.tl()), doorways, {}, cv::Mat1b(box.size(), std::uint8_t{0}), space, found.parking, glimpse};
+  RoomPatch patch{{}, {}, barrier(box - wide.tl()), doorways, {}, cv::Mat1b(box.size(), std::uint8_t{0}), space, region.parking, glimpse};
   patch.space.occupancy = space.occupancy(box);
   cv::inRange(patch.space.occupancy, 1, 255, patch.seen);
   patch.space.corner += box.tl();
-  cv::inRange(partition.labels(box), region, region, patch.mask);
+  cv::inRange(partition.labels(box), region.number, region.number, patch.mask);
   cv::inRange(partition.labels(box), 1, std::numeric_limits<int>::max(), patch.foreign);
   patch.foreign.setTo(0, patch.mask);
   return patch;
 }
 
-RoomMap::Look& RoomMap::look_at(int number, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse, const Boxes& changed, const cv::Rect& all) {
-  const FloorRegion& region = partition.regions.at(number);
-  const cv::Rect from = grown(region.box, kMargin + static_cast<int>(2 * kDoorway_m / space.resolution_m));
-  const Place place{region.box.x, region.box.y, region.box.width, region.box.height};
-  const auto [first, last] = looks_.equal_range(place);
-  const bool untouched = !(meet(all, from) && meet(changed, from));
-  const auto alike = [&](const Look& look) { return look.glimpse == glimpse && look.parking == region.parking; };
-  for (auto known = first; untouched && known != last; ++known)
-    if (known->second.region == number && alike(known->second)) return known->second;
-  RoomPatch patch = patch_of(number, partition, floor, space, glimpse);
+std::vector<const RoomMap::Look*>::iterator RoomMap::place_of(const Look& look) {
+  const auto order = [](const Look& one) { return std::pair(one.room->outline[0].y(), one.room->outline[0].x()); };
+  return std::lower_bound(listed_.begin(), listed_.end(), &look, [&](const Look* p, const Look* q) { return order(*p) < order(*q); });
+}
+
+/// @param spare  looks at regions that are gone or near changes: one that shows the same is taken.
+std::unique_ptr<RoomMap::Look> RoomMap::look_at(const FloorRegion& region, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse,
+                                                Looks& spare) {
+  RoomPatch patch = patch_of(region, partition, floor, space, glimpse);
   cv::Mat1b picture = picture_of(patch);
-  for (auto known = first; known != last; ++known)
-    if (!known->second.asked && alike(known->second) && says_the_same(known->second.picture, picture)) {
-      known->second.region = number;
-      if (known->second.room) known->second.room->region = number;
-      return known->second;
+  for (std::unique_ptr<Look>& known : spare)
+    if (known && known->region.box == region.box && known->glimpse == glimpse && known->region.parking == region.parking && says_the_same(known->picture, picture)) {
+      known->region = region;
+      if (known->room) known->room->region = region.number;
+      return std::move(known);
     }
   Room made;
-  made.region = number;
+  made.region = region.number;
   const bool is_room = make_room(patch, options_, made);
   cv::bitwise_or(picture, patch.matters, picture);
-  return looks_.emplace(place, Look{number, glimpse, region.parking, picture, is_room ? std::optional<Room>(made) : std::nullopt})->second;
+  auto look = std::make_unique<Look>(Look{region, glimpse, picture, is_room ? std::optional<Room>(made) : std::nullopt});
+  if (is_room) listed_.insert(place_of(*look), look.get());
+  return look;
 }
 
 std::vector<Room> RoomMap::update(const Partition& partition, const Floor& floor, const KnownSpace& space, const Boxes& changed) {
   const double cell_m = space.resolution_m;
-  const std::set<int> small = glimpses(partition, cell_m, options_.glimpse_m2);
   const cv::Rect all = bounds(changed);
-  for (auto& [place, look] : looks_) look.asked = false;
-  std::vector<Room> rooms;
-  for (const auto& [number, region] : partition.regions) {
+  const auto is_touched = [&](const cv::Rect& region) {
+    const cv::Rect from = grown(region, kMargin + static_cast<int>(2 * kDoorway_m / cell_m));
+    return meet(all, from) && meet(changed, from);
+  };
+  Looks now, spare;
+  std::vector<std::pair<std::size_t, const FloorRegion*>> stale;
+  auto known = looks_.begin();
+  for (const FloorRegion& region : partition.regions) {
     if (region.box.area() * cell_m * cell_m < options_.min_area_m2) continue;
-    Look& look = look_at(number, partition, floor, space, small.count(number) > 0, changed, all);
-    look.asked = true;
-    if (look.room) rooms.push_back(*look.room);
+    for (; known != looks_.end() && (*known)->region.number < region.number; ++known) spare.push_back(std::move(*known));
+    const bool same = known != looks_.end() && (*known)->region.number == region.number;
+    if (same && (*known)->glimpse == region.is_glimpse(cell_m, options_.glimpse_m2) && (*known)->region.parking == region.parking && !is_touched(region.box)) {
+      now.push_back(std::move(*known++));
+      continue;
+    }
+    if (same) spare.push_back(std::move(*known++));
+    stale.emplace_back(now.size(), &region);
+    now.emplace_back();
   }
-  for (auto look = looks_.begin(); look != looks_.end();) look = look->second.asked ? std::next(look) : looks_.erase(look);
-  const auto order = [](const Room& room) { return std::pair(room.outline[0].y(), room.outline[0].x()); };
-  std::sort(rooms.begin(), rooms.end(), [&](const Room& p, const Room& q) { return order(p) < order(q); });
+  for (; known != looks_.end(); ++known) spare.push_back(std::move(*known));
+  for (const auto& [place, region] : stale) now[place] = look_at(*region, partition, floor, space, region->is_glimpse(cell_m, options_.glimpse_m2), spare);
+  for (const std::unique_ptr<Look>& gone : spare)
+    if (gone && gone->room) listed_.erase(std::find(place_of(*gone), listed_.end(), gone.get()));
+  looks_ = std::move(now);
+  std::vector<Room> rooms;
+  rooms.reserve(listed_.size());
+  for (const Look* look : listed_) rooms.push_back(*look->room);
   return rooms;
 }
 
 void RoomMap::grow(const Growth& growth) {
-  std::multimap<Place, Look> looks;
-  for (auto& [place, look] : looks_) looks.emplace(Place{place[0] + growth.shift.x, place[1] + growth.shift.y, place[2], place[3]}, std::move(look));
-  looks_ = std::move(looks);
+  for (const std::unique_ptr<Look>& look : looks_) look->region.box += growth.shift;
 }
 
 std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, const KnownSpace& space, const RoomOptions& options) {
@@ -114,11 +127,12 @@ std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, con
 }
 
 void join_rooms(std::vector<Door>& doors, const std::vector<Room>& rooms) {
-  std::unordered_map<int, std::int64_t> id_of_region;
-  for (const Room& room : rooms) id_of_region[room.region] = room.id;
+  std::vector<std::pair<int, std::int64_t>> ids;  // by region
+  for (const Room& room : rooms) ids.emplace_back(room.region, room.id);
+  std::sort(ids.begin(), ids.end());
   const auto id = [&](int region) {
-    const auto found = id_of_region.find(region);
-    return found == id_of_region.end() ? std::int64_t{0} : found->second;
+    const auto found = std::lower_bound(ids.begin(), ids.end(), std::pair(region, std::int64_t{0}));
+    return found == ids.end() || found->first != region ? std::int64_t{0} : found->second;
   };
   for (Door& door : doors) {
     door.room_a = id(door.region_a);

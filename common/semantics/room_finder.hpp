@@ -4,8 +4,7 @@
 /// The thesis looked for cycles of wall ends; one hidden corner breaks a cycle, and cycles round unseen space are rooms too. Here a region
 /// of seen floor is a room when its outline lies on hits, walls and openings (the closed cycle), and unexplored space cannot be one.
 #pragma once
-#include <array>
-#include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -26,19 +25,20 @@ class RoomMap {
  private:
   /// What was looked at, and what came of it. Most of what is new around a room makes no difference to it.
   struct Look {
-    int region;
-    bool glimpse, parking;
+    FloorRegion region;
+    bool glimpse;
     cv::Mat1b picture;           ///< all that the answer depends on, and what of it
     std::optional<Room> room;
-    bool asked = true;           ///< in this round
   };
-  using Place = std::array<int, 4>;   ///< a region's box
+  using Looks = std::vector<std::unique_ptr<Look>>;
 
-  RoomPatch patch_of(int region, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse) const;
-  Look& look_at(int number, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse, const Boxes& changed, const cv::Rect& all);
+  RoomPatch patch_of(const FloorRegion& region, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse) const;
+  std::unique_ptr<Look> look_at(const FloorRegion& region, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse, Looks& spare);
+  std::vector<const Look*>::iterator place_of(const Look& look);
 
   RoomOptions options_;
-  std::multimap<Place, Look> looks_;
+  Looks looks_;                  ///< by rising number of the region
+  std::vector<const Look*> listed_;  ///< those at rooms, by the rooms' first corners
 };
 
 std::vector<Room> find_rooms(const Partition& partition, const Floor& floor, const KnownSpace& space, const RoomOptions& options);

@@ -3,12 +3,39 @@
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
+#include <initializer_list>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/places/place.hpp"
 
 namespace modslam {
+
+/// Corners of a polygon in order. Copies share them: most polygons stay as they are from one update to the next.
+class Corners {
+ public:
+  using Points = std::vector<Eigen::Vector2d>;
+  Corners() = default;
+  Corners(Points points) : points_(points.empty() ? nullptr : std::make_shared<const Points>(std::move(points))) {}
+  Corners(std::initializer_list<Eigen::Vector2d> points) : Corners(Points(points)) {}
+  operator const Points&() const {
+    static const Points none;
+    return points_ ? *points_ : none;
+  }
+  const Points& points() const { return *this; }
+  auto begin() const { return points().begin(); }
+  auto end() const { return points().end(); }
+  std::size_t size() const { return points().size(); }
+  bool empty() const { return !points_; }
+  const Eigen::Vector2d& operator[](std::size_t k) const { return (*points_)[k]; }
+  bool operator==(const Corners& o) const { return points_ == o.points_ || points() == o.points(); }
+  bool operator!=(const Corners& o) const { return !(*this == o); }
+
+ private:
+  std::shared_ptr<const Points> points_;
+};
 
 /// How well it is known where a wall ends: standard deviations.
 struct WallEnd {
@@ -49,7 +76,7 @@ struct Room {
   double area_m2 = 0, explored = 0;  ///< explored: share of the area that was seen
   double evidence = 0;               ///< share of the outline that lies on walls and openings
   int region = 0;                    ///< in the parted floor it was found on
-  std::vector<Eigen::Vector2d> outline;
+  Corners outline;
 };
 
 /// Rooms that became others from one update to the next.
@@ -64,7 +91,7 @@ struct Object {
   std::string class_name;    ///< "": unknown
   double class_confidence = 0;  ///< 0..1; 0 when unknown
   double area_m2 = 0, evidence = 0;
-  std::vector<Eigen::Vector2d> outline;
+  Corners outline;
 };
 
 struct SemanticLayers {

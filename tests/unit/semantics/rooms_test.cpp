@@ -199,13 +199,13 @@ KnownSpace room_with_window(double window_m) {
 Partition parted_at_door(const KnownSpace& space) {
   Partition partition;
   partition.labels = cv::Mat1i(space.occupancy.size(), 0);
-  for (const int number : {1, 2}) partition.regions[number].ways = 1;
+  for (const int number : {1, 2}) partition.regions.push_back({number, {}, 0, false, 1});
   for (int y = 0; y < space.occupancy.rows; ++y)
     for (int x = 0; x < space.occupancy.cols; ++x)
       if (space.is_free({x, y}) && x != 91) partition.labels(y, x) = x < 91 ? 1 : 2;
-  for (auto& [number, region] : partition.regions) {
+  for (FloorRegion& region : partition.regions) {
     cv::Mat1b mask;
-    cv::inRange(partition.labels, number, number, mask);
+    cv::inRange(partition.labels, region.number, region.number, mask);
     region.box = cv::boundingRect(mask);
     region.cells = cv::countNonZero(mask);
   }
