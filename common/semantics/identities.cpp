@@ -32,6 +32,14 @@ bool is_same(const Door& p, const Door& q) { return p.a == q.a && p.b == q.b; }
 bool is_same(const Room& p, const Room& q) { return p.outline == q.outline; }
 bool is_same(const Object& p, const Object& q) { return p.outline == q.outline; }
 
+/// What has its id already stands before what has none.
+template <class Thing>
+std::size_t first_new(const std::vector<Thing>& things) {
+  std::size_t first = things.size();
+  while (first > 0 && things[first - 1].id == 0) --first;
+  return first;
+}
+
 /// What lies just where it lay is the same. Lists change little from one update to the next: most things follow the one that they followed before, and only
 /// of the others an index is made.
 template <class Thing>
@@ -45,7 +53,8 @@ void keep_same(std::vector<Thing>& now, const std::vector<Thing>& before, std::v
   };
   std::size_t expected = 0;
   std::vector<Thing*> others;
-  for (Thing& thing : now) {
+  for (std::size_t i = first_new(now); i < now.size(); ++i) {
+    Thing& thing = now[i];
     const std::size_t end = std::min(before.size(), expected + kLookAhead);
     std::size_t j = expected;
     while (j < end && !keep(thing, j)) ++j;
@@ -73,6 +82,7 @@ void keep_ids(std::vector<Thing>& now, const std::vector<Thing>& before, std::in
   };
   std::vector<Pair> pairs;
   std::vector<bool> taken(before.size(), false);
+  const std::size_t first = first_new(now);
   keep_same(now, before, taken);
   PlanIndex index(kSquare_m);
   for (std::size_t j = 0; j < before.size(); ++j) {
@@ -80,7 +90,7 @@ void keep_ids(std::vector<Thing>& now, const std::vector<Thing>& before, std::in
     const Box box = box_of(before[j]);
     index.add(box.low, box.high, j);
   }
-  for (std::size_t i = 0; i < now.size(); ++i) {
+  for (std::size_t i = first; i < now.size(); ++i) {
     if (now[i].id != 0) continue;
     const Box box = box_of(now[i]);
     for (const std::size_t j : index.near(box.low, box.high, kReach_m))
@@ -92,8 +102,8 @@ void keep_ids(std::vector<Thing>& now, const std::vector<Thing>& before, std::in
     now[pair.now].id = before[pair.before].id;
     taken[pair.before] = true;
   }
-  for (Thing& thing : now)
-    if (thing.id == 0) thing.id = next_id++;
+  for (std::size_t i = first; i < now.size(); ++i)
+    if (now[i].id == 0) now[i].id = next_id++;
 }
 
 /// Metres of common length of two walls on nearly the same line.

@@ -7,7 +7,8 @@ namespace modslam {
 
 class Identities {
  public:
-  /// Fills in the ids of `now`, after those of `before`; what is like nothing before gets a new one. Fills in the events of the rooms.
+  /// Fills in the ids of `now` that are 0, at the ends of its lists, after those of `before`; what is like nothing before gets a new one. Fills in the
+  /// events of the rooms.
   void carry_over(const SemanticLayers& before, SemanticLayers& now);
 
  private:

@@ -134,7 +134,7 @@ WallMap::News Interpreter::find_walls(const KnownSpace& space, const Boxes& chan
     odds_changed.push_back(plan_box(space.place(box.x, box.y), space.place(box.br().x, box.br().y), 0));
   WallMap::News news = found_walls_.update(is_solid, finish, odds_changed);
   for (const std::size_t k : news.gone) on_objects_.erase(k);
-  for (const Numbers* numbers : {&news.come, &news.turned})
+  for (const Numbers* numbers : {&news.come, &news.altered})
     for (const std::size_t k : *numbers) {
       if (found_walls_.walls()[k].on_object) on_objects_.insert(k);
       else on_objects_.erase(k);
@@ -176,15 +176,14 @@ NumberNews Interpreter::take_faces(const WallMap::News& found, const std::vector
     return true;
   };
   const bool pieces_stand = std::any_of(dropped.begin(), dropped.end(), [](bool one) { return one; });
+  const bool pieces_stood = std::exchange(pieces_stood_, pieces_stand);
+  const Numbers on_objects = pieces_stand || pieces_stood ? Numbers(on_objects_.begin(), on_objects_.end()) : Numbers();
   const std::set<std::size_t> gone(found.gone.begin(), found.gone.end());
-  Numbers doubtful = found.gone;
-  for (const Numbers* numbers : {&found.come, &found.turned}) doubtful.insert(doubtful.end(), numbers->begin(), numbers->end());
-  if (pieces_stand || std::exchange(pieces_stood_, pieces_stand)) doubtful.insert(doubtful.end(), on_objects_.begin(), on_objects_.end());
-  pieces_stood_ = pieces_stand;
-  return furniture_.walls().news(std::move(doubtful), [&](std::size_t k) {
+  const auto is_face = [&](std::size_t k) {
     const Wall& wall = found_walls_.walls()[k];
     return !gone.count(k) && (!wall.on_object || (pieces_stand && !stands_on(wall, space, is_object)));
-  });
+  };
+  return news_among(together({&found.gone, &found.come, &found.altered, &on_objects}), [&](std::size_t k) { return furniture_.walls().has(k); }, is_face);
 }
 
 /// Of the faces, those that are no furniture. @return what came and went.
@@ -193,9 +192,9 @@ NumberNews Interpreter::take_walls(const NumberNews& faces, const KnownSpace& sp
   for (const cv::Rect& box : windows(changed, static_cast<int>(kNewsTogether_m / space.resolution_m), space.occupancy.size()))
     boxes.push_back({space.place(box.x, box.y), space.place(box.br().x, box.br().y)});
   const auto is_free = [&](const Eigen::Vector2d& p) { return space.is_free(space.cell(p)); };
-  Numbers doubtful = furniture_.update(faces, found_walls_.walls(), is_free, boxes);
-  for (const Numbers* numbers : {&faces.gone, &faces.come}) doubtful.insert(doubtful.end(), numbers->begin(), numbers->end());
-  const NumberNews news = known_walls_.news(std::move(doubtful), [&](std::size_t k) { return furniture_.walls().has(k) && !furniture_.is_furniture(k); });
+  const Numbers touched = furniture_.update(faces, found_walls_.walls(), is_free, boxes);
+  const auto is_wall = [&](std::size_t k) { return furniture_.walls().has(k) && !furniture_.is_furniture(k); };
+  const NumberNews news = news_among(together({&touched, &faces.gone, &faces.come}), [&](std::size_t k) { return known_walls_.has(k); }, is_wall);
   known_walls_.take(news, found_walls_.walls());
   return news;
 }
@@ -244,7 +243,8 @@ Boxes Interpreter::find_hidden(const std::vector<Room>& rooms, const KnownSpace&
 }
 
 /// Faces that stand in a room, off its outline, with what nobody saw behind them, belong to what is in the room: parked cars, beds, counters.
-void Interpreter::find_hiding(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open, const NumberNews& news) {
+/// @return numbers of walls that were asked whether they are such.
+Numbers Interpreter::find_hiding(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open, const NumberNews& news) {
   const auto hides = [&](const Wall& wall) {
     if (wall.length_m() > kLongestFront_m) return false;
     const Eigen::Vector2d u = wall.direction(), from = wall.a - kBehind_m * wall.normal();
@@ -264,28 +264,28 @@ void Interpreter::find_hiding(const std::vector<Room>& rooms, const KnownSpace& 
   hides_.resize(known_walls_.end(), false);
   tidy(stirred);
   for (const std::size_t k : stirred) hides_[k] = hides(known_walls_[k]);
+  return stirred;
 }
 
-std::vector<Wall> Interpreter::walls_off_rooms(const KnownSpace& space) const {
-  std::vector<Wall> walls;
-  walls.reserve(known_walls_.size());
-  for (std::size_t k = 0; k < known_walls_.end(); ++k) {
-    if (!known_walls_.has(k) || hides_[k]) continue;
-    walls.push_back(found_walls_.walls()[k]);
-    wall_ends_.fill_in(k, walls.back(), space);
-  }
-  return walls;
+/// Lists the walls that hide nothing. @return those that went.
+std::vector<Wall> Interpreter::list_walls(const Numbers& doubtful, const Numbers& altered, const KnownSpace& space, std::vector<Wall>& walls) {
+  const NumberNews news = news_among(doubtful, [&](std::size_t k) { return list_.has(k); }, [&](std::size_t k) { return known_walls_.has(k) && !hides_[k]; });
+  return list_.update(walls, news, altered, [&](std::size_t k) {
+    Wall wall = found_walls_.walls()[k];
+    wall_ends_.fill_in(k, wall, space);
+    return wall;
+  });
 }
 
-SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed) {
-  SemanticLayers layers;
-  if (space.empty()) return layers;
+std::vector<Wall> Interpreter::update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed, SemanticLayers& layers) {
+  if (space.empty()) return {};
   follow(space);
   const FloorChange floor = update_floor(floor_, space, config_.object_max_m2, changed);
   Boxes stirred = update_objects(objects_, space, floor_, changed, floor.islands);
   stirred.insert(stirred.end(), changed.begin(), changed.end());
   const WallMap::News found = find_walls(space, stirred, wall_log_odds, odds_changed);
   const std::vector<bool> dropped = pieces_of_wall(space);
+  layers.objects.clear();
   for (std::size_t k = 0; k < dropped.size(); ++k)
     if (!dropped[k]) layers.objects.push_back(objects_.objects[k].object);
   const NumberNews news = take_walls(take_faces(found, dropped, space), space, changed);
@@ -293,7 +293,7 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   for (const auto& ring : furniture_.footprints(is_free)) layers.objects.push_back(at_wall(ring));
 
   const Boxes walls = boxes_of(news, known_walls_, space);
-  wall_ends_.update(known_walls_, news.come, space, changed);
+  const Numbers ends = wall_ends_.update(known_walls_, news.come, space, changed);
   openings_.update(floor_, space, known_walls_, floor, walls);
   Boxes parted = parter_.update(floor_, space, known_walls_, openings_.take_news(parting_options(config_).cuts), floor.open, walls);
   DoorMapOptions doors;
@@ -303,9 +303,8 @@ SemanticLayers Interpreter::update(const KnownSpace& space, const Boxes& changed
   parted.insert(parted.end(), changed.begin(), changed.end());
   layers.rooms = rooms_.update(parter_.partition(), floor_, space, parted);
   drop_doors_to_glimpses(layers.doors, parter_.partition(), layers.rooms, space.resolution_m, room_options(config_).glimpse_m2);
-  find_hiding(layers.rooms, space, floor.open, news);
-  layers.walls = walls_off_rooms(space);
-  return layers;
+  const Numbers asked = find_hiding(layers.rooms, space, floor.open, news);
+  return list_walls(together({&news.gone, &news.come, &asked}), together({&found.altered, &ends}), space, layers.walls);
 }
 
 }  // namespace modslam

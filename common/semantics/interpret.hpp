@@ -10,6 +10,7 @@
 #include "common/semantics/room_finder.hpp"
 #include "common/semantics/semantics_config.hpp"
 #include "common/semantics/wall_ends.hpp"
+#include "common/semantics/wall_list.hpp"
 #include "common/semantics/wall_map.hpp"
 
 namespace modslam {
@@ -26,8 +27,9 @@ class Interpreter {
   void add(const Segment& segment, int sign) { found_walls_.add(segment, sign); }
   void add(const DoorSighting& sighting, int sign) { sightings_.add(sighting, sign); }
 
-  /// @param changed  cells of the space, @param odds_changed  plan_box()es of the log-odds that changed since the last call. Ids are left 0.
-  SemanticLayers update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed);
+  /// @param changed  cells of the space, @param odds_changed  plan_box()es of the log-odds that changed since the last call. @param layers  as the last
+  /// call left them, but for ids. Walls that stay keep their ids; all else comes without. @return walls that went.
+  std::vector<Wall> update(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, const Boxes& odds_changed, SemanticLayers& layers);
 
  private:
   void follow(const KnownSpace& space);
@@ -36,8 +38,8 @@ class Interpreter {
   NumberNews take_faces(const WallMap::News& found, const std::vector<bool>& dropped, const KnownSpace& space);
   NumberNews take_walls(const NumberNews& faces, const KnownSpace& space, const Boxes& changed);
   Boxes find_hidden(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open);
-  void find_hiding(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open, const NumberNews& news);
-  std::vector<Wall> walls_off_rooms(const KnownSpace& space) const;
+  std::vector<Wall> list_walls(const Numbers& doubtful, const Numbers& altered, const KnownSpace& space, std::vector<Wall>& walls);
+  Numbers find_hiding(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open, const NumberNews& news);
 
   SemanticsConfig config_;
   cv::Rect frame_;                  ///< of the space in its lattice, when it was last seen
@@ -61,6 +63,7 @@ class Interpreter {
   std::map<int, Ring> known_rings_; ///< of rooms, by region
   cv::Mat1b hidden_;                ///< inside rooms, off their outlines, and no floor
   std::vector<char> hides_;         ///< by number of the wall: stands before what is hidden
+  WallList list_;                   ///< of those that do not
 };
 
 }  // namespace modslam

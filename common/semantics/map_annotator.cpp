@@ -111,7 +111,7 @@ AnnotatedMap annotate(const MapImage& map, const SemanticsConfig& config) {
     for (const DoorSighting& s : sight_doors(scan, sensor, doors)) interpreter.add(DoorSighting{T_map_base * s.a, T_map_base * s.b}, 1);
   }
   const Boxes all{cv::Rect({0, 0}, out.space.occupancy.size())};
-  out.layers = interpreter.update(out.space, all, [&grid](const Eigen::Vector2d& p) { return grid.log_odds(p); }, {});
+  interpreter.update(out.space, all, [&grid](const Eigen::Vector2d& p) { return grid.log_odds(p); }, {}, out.layers);
   Identities().carry_over({}, out.layers);
   return out;
 }

@@ -2,6 +2,7 @@
 #include "common/semantics/semantic_mapper.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace modslam {
 
@@ -82,7 +83,9 @@ SemanticLayers SemanticMapper::render() const {
   for (const NodeView& node : nodes_) show(node, interpreter, 1);
   const auto tiles = occupancy_.tiles();
   const Boxes changed = space.update(occupancy_, {tiles.begin(), tiles.end()});
-  return interpreter.update(space, changed, [this](const Eigen::Vector2d& p) { return evidence_.log_odds(p); }, {});
+  SemanticLayers layers;
+  interpreter.update(space, changed, [this](const Eigen::Vector2d& p) { return evidence_.log_odds(p); }, {}, layers);
+  return layers;
 }
 
 const SemanticLayers& SemanticMapper::update(bool settled) {
@@ -90,10 +93,13 @@ const SemanticLayers& SemanticMapper::update(bool settled) {
   const Boxes changed = space_.update(occupancy_, occupancy_.take_changed());
   Boxes odds;
   for (const auto& [x, y, side] : evidence_.take_changed()) odds.emplace_back(x, y, side, side);
-  SemanticLayers layers = interpreter_.update(space_, changed, [this](const Eigen::Vector2d& p) { return evidence_.log_odds(p); }, odds);
-  identities_.carry_over(layers_, layers);
-  door_states_.update(layers_, layers, nodes_.size(), [this](std::size_t k) { return DoorStates::View{nodes_[k].scan, nodes_[k].sensor, nodes_[k].drawn}; });
-  layers_ = std::move(layers);
+  SemanticLayers before;
+  before.doors = std::exchange(layers_.doors, {});
+  before.rooms = std::exchange(layers_.rooms, {});
+  before.objects = std::exchange(layers_.objects, {});
+  before.walls = interpreter_.update(space_, changed, [this](const Eigen::Vector2d& p) { return evidence_.log_odds(p); }, odds, layers_);
+  identities_.carry_over(before, layers_);
+  door_states_.update(before, layers_, nodes_.size(), [this](std::size_t k) { return DoorStates::View{nodes_[k].scan, nodes_[k].sensor, nodes_[k].drawn}; });
   return layers_;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <initializer_list>
 #include <utility>
 #include <vector>
 
@@ -50,6 +51,23 @@ class Slots {
 inline void tidy(Numbers& numbers) {
   std::sort(numbers.begin(), numbers.end());
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+/// Rising, each once.
+inline Numbers together(std::initializer_list<const Numbers*> lists) {
+  Numbers all;
+  for (const Numbers* numbers : lists) all.insert(all.end(), numbers->begin(), numbers->end());
+  tidy(all);
+  return all;
+}
+
+/// @param doubtful  numbers that may have come or gone, others have not. @param was, is  say whether a number belonged and belongs.
+template <class Was, class Is>
+NumberNews news_among(const Numbers& doubtful, Was was, Is is) {
+  NumberNews news;
+  for (const std::size_t number : doubtful)
+    if (const bool now = is(number); now != was(number)) (now ? news.come : news.gone).push_back(number);
+  return news;
 }
 
 }  // namespace modslam

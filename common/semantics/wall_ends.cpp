@@ -44,8 +44,9 @@ WallEnd look_beyond(const KnownSpace& space, const Eigen::Vector2d& p, const Eig
   return {0, kEndUnseen_m, false};
 }
 
-void WallEnds::update(const WallSet& known, const Numbers& come, const KnownSpace& space, const Boxes& changed) {
+Numbers WallEnds::update(const WallSet& known, const Numbers& come, const KnownSpace& space, const Boxes& changed) {
   ends_.resize(known.end());
+  Numbers looked = come;
   const auto look = [&](std::size_t number, bool at_b) {
     const Wall& wall = known[number];
     const Eigen::Vector2d u = wall.direction();
@@ -57,7 +58,11 @@ void WallEnds::update(const WallSet& known, const Numbers& come, const KnownSpac
   for (const cv::Rect& box : windows(changed, 0, space.occupancy.size()))
     for (const std::size_t number : known.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), reach * space.resolution_m))
       for (const bool at_b : {false, true})
-        if (meet(box, grown(cv::Rect(space.cell(at_b ? known[number].b : known[number].a), cv::Size(1, 1)), reach))) look(number, at_b);
+        if (meet(box, grown(cv::Rect(space.cell(at_b ? known[number].b : known[number].a), cv::Size(1, 1)), reach))) {
+          look(number, at_b);
+          looked.push_back(number);
+        }
+  return looked;
 }
 
 void WallEnds::fill_in(std::size_t number, Wall& wall, const KnownSpace& space) const {

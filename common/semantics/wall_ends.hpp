@@ -20,8 +20,8 @@ WallEnd look_beyond(const KnownSpace& space, const Eigen::Vector2d& p, const Eig
 /// Keeps what is known of the walls' ends in step with the map.
 class WallEnds {
  public:
-  /// @param come  new walls of the set, @param changed  cells of the space.
-  void update(const WallSet& known, const Numbers& come, const KnownSpace& space, const Boxes& changed);
+  /// @param come  new walls of the set, @param changed  cells of the space. @return walls whose ends were looked at, some more than once.
+  Numbers update(const WallSet& known, const Numbers& come, const KnownSpace& space, const Boxes& changed);
   /// Fills in along_m and seen of a wall of the set, and holds across_m above what cells can tell.
   void fill_in(std::size_t number, Wall& wall, const KnownSpace& space) const;
 

@@ -235,7 +235,7 @@ WallMap::News WallMap::read_walls(const Numbers& gone, const Numbers& stale, con
         wall.evidence = before.evidence;
         wall.on_object = before.on_object;
       }
-      if (wall.on_object != before.on_object) news.turned.push_back(same->second);
+      news.altered.push_back(same->second);
       before = wall;
       numbers.push_back(same->second);
       known.erase(same);

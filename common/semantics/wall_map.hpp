@@ -27,9 +27,9 @@ class WallMap {
   /// A segment of one scan, map frame; sign -1 takes it back.
   void add(const Segment& segment, int sign) { blocks_.add(segment, sign); }
 
-  /// What became of the walls; `turned` stand on an object now and did not, or the other way round.
+  /// What became of the walls. `altered` stay; what is known of them, but for their ends, may be new.
   struct News : NumberNews {
-    Numbers turned;
+    Numbers altered;
   };
   /// @param is_solid  whether the raster knows something solid around a place: a stretch that most beams passed is no wall. @param finish  fills in what
   /// else a wall has. @param changed  plan_box()es in which the answers of either may be new.

@@ -14,15 +14,6 @@ class WallSet {
   /// All at once: the walls' numbers are their places in the list.
   explicit WallSet(const std::vector<Wall>& walls);
 
-  /// @param doubtful  numbers that may have come or gone, others have not. @param belongs  says whether a number does.
-  template <class Belongs>
-  NumberNews news(Numbers doubtful, Belongs belongs) const {
-    tidy(doubtful);
-    NumberNews news;
-    for (const std::size_t number : doubtful)
-      if (const bool now = belongs(number); now != has(number)) (now ? news.come : news.gone).push_back(number);
-    return news;
-  }
   void take(const NumberNews& news, const Slots<Wall>& walls);
 
   bool has(std::size_t number) const { return number < is_in_.size() && is_in_[number]; }
