@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <queue>
 #include <tuple>
 #include <unordered_map>
+
+#include "common/graph/disjoint_sets.hpp"
 
 namespace modslam {
 namespace {
@@ -17,31 +18,17 @@ struct Candidate {
   bool operator<(const Candidate& o) const { return std::tuple(weight, -p, -q) < std::tuple(o.weight, -o.p, -o.q); }
 };
 
-/// Sets of pieces that became one.
-class Sets {
- public:
-  explicit Sets(int count) : parent_(static_cast<std::size_t>(count)) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int root(int k) {
-    while (of(k) != k) k = of(k) = of(of(k));
-    return k;
-  }
-  void join(int goes, int stays) { of(root(goes)) = root(stays); }
-
- private:
-  int& of(int k) { return parent_[static_cast<std::size_t>(k)]; }
-  std::vector<int> parent_;
-};
-
 }  // namespace
 
 std::vector<int> cluster_pieces(int count, const std::vector<PieceBond>& bonds) {
-  Sets parent(count), reach(count);
+  const auto place = [](int piece) { return static_cast<std::size_t>(piece); };
+  DisjointSets clusters(place(count)), reach(place(count));
   for (const PieceBond& bond : bonds)
-    if (bond.weight > 0) reach.join(bond.p, bond.q);
+    if (bond.weight > 0) reach.join(place(bond.p), place(bond.q));
   // Between what no chain of positive bonds joins no sum of bonds is ever positive.
   std::unordered_map<int, std::map<int, double>> bonds_of;
   for (const PieceBond& bond : bonds)
-    if (bond.p != bond.q && reach.root(bond.p) == reach.root(bond.q)) bonds_of[bond.p][bond.q] = bonds_of[bond.q][bond.p] += bond.weight;
+    if (bond.p != bond.q && reach.root(place(bond.p)) == reach.root(place(bond.q))) bonds_of[bond.p][bond.q] = bonds_of[bond.q][bond.p] += bond.weight;
   std::priority_queue<Candidate> queue;
   for (const auto& [p, those] : bonds_of)
     for (const auto& [q, weight] : those)
@@ -54,7 +41,7 @@ std::vector<int> cluster_pieces(int count, const std::vector<PieceBond>& bonds) 
     const auto still = of_p.find(best.q);
     if (still == of_p.end() || still->second != best.weight) continue;  // joined with something since
     const int keeps = of_p.size() >= of_q.size() ? best.p : best.q, goes = keeps == best.p ? best.q : best.p;
-    parent.join(goes, keeps);
+    clusters.join(place(goes), place(keeps));
     bonds_of[keeps].erase(goes);
     for (const auto& [other, weight] : bonds_of[goes]) {
       if (other == keeps) continue;
@@ -65,7 +52,7 @@ std::vector<int> cluster_pieces(int count, const std::vector<PieceBond>& bonds) 
     bonds_of[goes].clear();
   }
   std::vector<int> out(static_cast<std::size_t>(count));
-  for (int k = 0; k < count; ++k) out[static_cast<std::size_t>(k)] = parent.root(k);
+  for (int k = 0; k < count; ++k) out[place(k)] = static_cast<int>(clusters.root(place(k)));
   return out;
 }
 

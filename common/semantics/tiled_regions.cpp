@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <opencv2/imgproc.hpp>
+
+#include "common/graph/disjoint_sets.hpp"
 
 namespace modslam {
 
@@ -108,22 +109,15 @@ void TiledRegions::link(const std::set<int>& tiles) {
 }
 
 void TiledRegions::join() {
-  std::vector<int> parent(pieces_.all().size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int k) {
-    while (parent[static_cast<std::size_t>(k)] != k) k = parent[static_cast<std::size_t>(k)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(k)])];
-    return k;
-  };
+  DisjointSets sets(pieces_.all().size());
   for (const auto& [meetings, apart] : {std::pair(&right_, 1), std::pair(&below_, columns_)})
     for (int tile = 0; tile < tile_count_; ++tile)
-      for (const auto* both = meetings->begin(tile); both != meetings->end(tile); ++both) {
-        const int x = root(static_cast<int>(pieces_.first(tile)) + both->first - 1), y = root(static_cast<int>(pieces_.first(tile + apart)) + both->second - 1);
-        parent[static_cast<std::size_t>(std::max(x, y))] = std::min(x, y);
-      }
-  region_of_.assign(parent.size(), 0);
+      for (const auto* both = meetings->begin(tile); both != meetings->end(tile); ++both)
+        sets.join_lowest(pieces_.first(tile) + both->first - 1, pieces_.first(tile + apart) + both->second - 1);
+  region_of_.assign(sets.size(), 0);
   regions_.clear();
-  for (std::size_t k = 0; k < parent.size(); ++k) {
-    const auto top = static_cast<std::size_t>(root(static_cast<int>(k)));
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    const std::size_t top = sets.root(k);
     if (top == k) {
       regions_.emplace_back();
       region_of_[k] = static_cast<int>(regions_.size());

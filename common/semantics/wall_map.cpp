@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
+
+#include "common/graph/disjoint_sets.hpp"
 
 namespace modslam {
 namespace {
@@ -113,12 +114,7 @@ std::vector<WallMap::Member> WallMap::dissolve(const std::set<Index>& blocks, st
 
 /// Bands that are linked, in order; each chain begins with its first.
 std::vector<std::vector<WallMap::Member>> WallMap::chains_of(const std::vector<Member>& loose) const {
-  std::vector<std::size_t> parent(loose.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto root = [&](std::size_t k) {
-    while (parent[k] != k) k = parent[k] = parent[parent[k]];
-    return k;
-  };
+  DisjointSets sets(loose.size());
   const auto number = [&](const Member& member) { return static_cast<std::size_t>(std::lower_bound(loose.begin(), loose.end(), member) - loose.begin()); };
   for (std::size_t k = 0; k < loose.size(); ++k) {
     if (k > 0 && loose[k].first == loose[k - 1].first) continue;
@@ -126,13 +122,11 @@ std::vector<std::vector<WallMap::Member>> WallMap::chains_of(const std::vector<M
     if (links == links_.end()) continue;
     for (const auto& [p, q] : links->second) {
       const std::size_t i = number(p), j = number(q);
-      if (i >= loose.size() || j >= loose.size() || loose[i] != p || loose[j] != q) continue;
-      const std::size_t a = root(i), b = root(j);
-      parent[std::max(a, b)] = std::min(a, b);
+      if (i < loose.size() && j < loose.size() && loose[i] == p && loose[j] == q) sets.join_lowest(i, j);
     }
   }
   std::map<std::size_t, std::vector<Member>> chains;
-  for (std::size_t k = 0; k < loose.size(); ++k) chains[root(k)].push_back(loose[k]);
+  for (std::size_t k = 0; k < loose.size(); ++k) chains[sets.root(k)].push_back(loose[k]);
   std::vector<std::vector<Member>> out;
   for (auto& [first, members] : chains) out.push_back(std::move(members));
   return out;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 
+#include "common/graph/disjoint_sets.hpp"
 #include "common/semantics/room_finder.hpp"
 
 namespace modslam {
@@ -108,19 +108,14 @@ void follow(const std::vector<Eigen::Vector2d>& path, Topology& topology) {
 
 /// Rooms that hang together are one building.
 void number_buildings(Topology& topology) {
-  std::vector<std::size_t> parent(topology.rooms.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](std::size_t k) {
-    while (parent[k] != k) k = parent[k] = parent[parent[k]];
-    return k;
-  };
-  for (const Passage& passage : topology.passages) parent[root(passage.room_a)] = root(passage.room_b);
+  DisjointSets sets(topology.rooms.size());
+  for (const Passage& passage : topology.passages) sets.join(passage.room_a, passage.room_b);
   std::map<std::size_t, std::int64_t> smallest;
-  for (std::size_t k = 0; k < parent.size(); ++k) {
-    const auto [at, first] = smallest.emplace(root(k), topology.rooms[k].id);
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    const auto [at, first] = smallest.emplace(sets.root(k), topology.rooms[k].id);
     if (!first) at->second = std::min(at->second, topology.rooms[k].id);
   }
-  for (std::size_t k = 0; k < parent.size(); ++k) topology.building.push_back(smallest[root(k)]);
+  for (std::size_t k = 0; k < sets.size(); ++k) topology.building.push_back(smallest[sets.root(k)]);
 }
 
 }  // namespace
