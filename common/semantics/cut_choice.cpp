@@ -28,20 +28,8 @@ bool same_opening(const Gap& p, const Gap& q) {
 
 }  // namespace
 
-std::size_t CutChoice::take(const Gap& gap) {
-  if (free_.empty()) {
-    free_.push_back(slots_.size());
-    slots_.emplace_back();
-  }
-  const std::size_t number = free_.back();
-  free_.pop_back();
-  slots_[number] = {gap, false};
-  index_.add(gap.a, gap.b, number);
-  return number;
-}
-
 std::size_t CutChoice::find(const Gap& gap) const {
-  std::size_t found = slots_.size();
+  std::size_t found = slots_.end();
   index_.each_near(gap.a, gap.b, 0, [&](std::size_t k) {
     if (slots_[k].gap.order() == gap.order()) found = k;
   });
@@ -66,28 +54,33 @@ bool CutChoice::is_best(std::size_t number) const {
   return best;
 }
 
-CutChoice::Numbers::iterator CutChoice::place_of(std::size_t number) {
+Numbers::iterator CutChoice::place_of(std::size_t number) {
   const auto order = [&](std::size_t k) { return std::pair(slots_[k].gap.order(), k); };
   return std::lower_bound(chosen_.begin(), chosen_.end(), number, [&](std::size_t p, std::size_t q) { return order(p) < order(q); });
 }
 
-CutChoice::Change CutChoice::update(const GapNews& news) {
-  free_.insert(free_.end(), gone_.begin(), gone_.end());
-  gone_.clear();
-  Change change;
-  Queue queue;
+NumberNews CutChoice::update(const GapNews& news) {
+  slots_.next_round();
+  NumberNews change;
+  Numbers gone;
   for (const Gap& gap : news.gone) {
     const std::size_t number = find(gap);
-    if (number == slots_.size()) continue;
+    if (number == slots_.end()) continue;
     index_.remove(gap.a, gap.b, number);
-    gone_.push_back(number);
+    slots_.give_back(number);
+    gone.push_back(number);
   }
-  for (const std::size_t number : gone_)
+  Queue queue;
+  for (const std::size_t number : gone)
     if (std::exchange(slots_[number].chosen, false)) {
       change.gone.push_back(number);
       ask_less_sure(number, queue);
     }
-  for (const Gap& gap : news.come) queue.emplace(gap.order(), take(gap));
+  for (const Gap& gap : news.come) {
+    const std::size_t number = slots_.take({gap, false});
+    index_.add(gap.a, gap.b, number);
+    queue.emplace(gap.order(), number);
+  }
   // Who is looked at has only surer ones to heed, and those are settled.
   for (; !queue.empty(); queue.erase(queue.begin())) {
     const std::size_t number = queue.begin()->second;
@@ -102,7 +95,7 @@ CutChoice::Change CutChoice::update(const GapNews& news) {
   return change;
 }
 
-CutChoice::Numbers CutChoice::near(const Vec& p, const Vec& q, double margin_m) const {
+Numbers CutChoice::near(const Vec& p, const Vec& q, double margin_m) const {
   Numbers found = index_.near(p, q, margin_m);
   found.erase(std::remove_if(found.begin(), found.end(), [&](std::size_t k) { return !slots_[k].chosen; }), found.end());
   return found;

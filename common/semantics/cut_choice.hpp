@@ -7,6 +7,7 @@
 
 #include "common/semantics/openings.hpp"
 #include "common/semantics/plan_index.hpp"
+#include "common/semantics/slots.hpp"
 
 namespace modslam {
 
@@ -21,20 +22,15 @@ struct CutOpening {
 /// Keeps the choice in step with the gaps: looked at again is what came, and what lies near a choice that changed. The result is the one of a fresh look.
 class CutChoice {
  public:
-  using Numbers = std::vector<std::size_t>;
-  /// Numbers of those that were chosen and are not any more, and the other way round.
-  struct Change {
-    Numbers gone, come;
-  };
-
-  Change update(const GapNews& news);
+  /// @return news of the chosen.
+  NumberNews update(const GapNews& news);
 
   /// Numbers of the chosen, surest first.
   const Numbers& chosen() const { return chosen_; }
   /// What is gone can be read until the next update.
   const Gap& operator[](std::size_t number) const { return slots_[number].gap; }
   /// All numbers are below this.
-  std::size_t end() const { return slots_.size(); }
+  std::size_t end() const { return slots_.end(); }
   /// Chosen ones that may lie within `margin_m` of a box with corners p and q, lowest number first.
   Numbers near(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double margin_m) const;
 
@@ -45,15 +41,14 @@ class CutChoice {
   };
   using Order = decltype(Gap().order());
   using Queue = std::set<std::pair<Order, std::size_t>>;   ///< to be looked at, surest first
-  std::size_t take(const Gap& gap);
   std::size_t find(const Gap& gap) const;
   void ask_less_sure(std::size_t number, Queue& queue) const;
   bool is_best(std::size_t number) const;
   Numbers::iterator place_of(std::size_t number);
 
   static constexpr double kSquare_m = 3.5, kReach_m = 0.5 * kSquare_m;
-  std::vector<Slot> slots_;
-  Numbers free_, gone_, chosen_;
+  Slots<Slot> slots_;
+  Numbers chosen_;
   PlanIndex index_{kSquare_m};
 };
 

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <opencv2/imgproc.hpp>
 
 #include "common/semantics/region_clusters.hpp"
+#include "common/semantics/small_regions.hpp"
 
 namespace modslam {
 namespace {
@@ -17,27 +17,6 @@ using Vec = Eigen::Vector2d;
 constexpr double kLookFrom_m = 0.08, kLookTo_m = 0.6;  // beside a cut, for the region there
 constexpr double kOnWall_m = 0.2;
 constexpr double kAroundCut_m = 0.4;                    // a doorway reaches this far
-
-/// Sets of regions that became one, with their area.
-class Regions {
- public:
-  explicit Regions(std::vector<double> area_m2) : parent_(area_m2.size()), area_m2_(std::move(area_m2)) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int root(int k) const {
-    while (parent_[static_cast<std::size_t>(k)] != k) k = parent_[static_cast<std::size_t>(k)];
-    return k;
-  }
-  double area_m2(int k) const { return area_m2_[static_cast<std::size_t>(root(k))]; }
-  void join(int p, int q) {
-    const int goes = root(p), stays = root(q);
-    if (goes == stays) return;
-    parent_[static_cast<std::size_t>(goes)] = stays;
-    area_m2_[static_cast<std::size_t>(stays)] += area_m2_[static_cast<std::size_t>(goes)];
-  }
-
- private:
-  std::vector<int> parent_;
-  std::vector<double> area_m2_;
-};
 
 /// The piece of floor beside a cut, left of it (sign 1) or right (-1).
 TiledRegions::Place place_beside(const TiledRegions& tiles, const KnownSpace& space, const Gap& cut, double sign) {
@@ -51,41 +30,6 @@ TiledRegions::Place place_beside(const TiledRegions& tiles, const KnownSpace& sp
   return {};
 }
 
-/// Joins regions that are too small, the smallest first, to a neighbour through the least sure of these ways. Each round makes one region fewer.
-template <class IsSmall>
-void join_smallest_first(const std::vector<const CutOpening*>& ways, Regions& regions, IsSmall is_small) {
-  for (;;) {
-    int smallest = 0;
-    const CutOpening* way = nullptr;
-    for (const CutOpening* cut : ways) {
-      const int left = regions.root(cut->left), right = regions.root(cut->right);
-      if (left == right) continue;
-      for (const int side : {left, right}) {
-        if (!is_small(side)) continue;
-        const bool better = !way || regions.area_m2(side) < regions.area_m2(smallest) ||
-                            (side == smallest && cut->opening.probability < way->opening.probability);
-        if (better) smallest = side, way = cut;
-      }
-    }
-    if (!way) return;
-    regions.join(way->left, way->right);
-  }
-}
-
-/// Small regions that no chain of small neighbours joins know nothing of each other: each such group is joined on its own.
-void join_small_regions(const std::vector<CutOpening>& cuts, double min_room_m2, Regions& regions) {
-  const auto is_small = [&](int region) { return regions.area_m2(region) < min_room_m2; };
-  std::vector<const CutOpening*> ways;  // out of regions that are too small; no others become so
-  for (const CutOpening& cut : cuts)
-    if (cut.left && cut.right && (is_small(cut.left) || is_small(cut.right))) ways.push_back(&cut);
-  Regions chains = regions;
-  for (const CutOpening* way : ways)
-    if (is_small(way->left) && is_small(way->right)) chains.join(way->left, way->right);
-  std::map<int, std::vector<const CutOpening*>> groups;
-  for (const CutOpening* way : ways) groups[chains.root(is_small(way->left) ? way->left : way->right)].push_back(way);
-  for (const auto& [group, those] : groups) join_smallest_first(those, regions, is_small);
-}
-
 }  // namespace
 
 cv::Rect FloorParter::box_of(const Gap& cut, const KnownSpace& space, double margin_m) {
@@ -94,17 +38,17 @@ cv::Rect FloorParter::box_of(const Gap& cut, const KnownSpace& space, double mar
 }
 
 /// Cuts the floor anew where it or the choice changed. @return where that made a difference.
-Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, const CutChoice::Change& change, const Boxes& open) {
+Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, const NumberNews& change, const Boxes& open) {
   Boxes stirred = open, changed;
-  for (const CutChoice::Numbers* numbers : {&change.gone, &change.come})
+  for (const Numbers* numbers : {&change.gone, &change.come})
     for (const std::size_t number : *numbers) stirred.push_back(box_of(choice_[number], space, 0));
   std::vector<cv::Mat1b> before;
-  CutChoice::Numbers near;
+  Numbers near;
   const Boxes parts = windows(stirred, 0, floor.open.size());
   for (const cv::Rect& box : parts) {
     before.push_back(parted_(box).clone());
     floor.open(box).copyTo(parted_(box));
-    const CutChoice::Numbers here = choice_.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), space.resolution_m);
+    const Numbers here = choice_.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), space.resolution_m);
     near.insert(near.end(), here.begin(), here.end());
   }
   for (const std::size_t number : near)
@@ -115,12 +59,12 @@ Boxes FloorParter::draw_cuts(const Floor& floor, const KnownSpace& space, const 
 }
 
 /// Looks again for what is beside cuts that are new or near new pieces of floor. @return all cuts, surest first, with regions of tiles_.
-std::vector<CutOpening> FloorParter::look_beside(const KnownSpace& space, const CutChoice::Change& change) {
+std::vector<CutOpening> FloorParter::look_beside(const KnownSpace& space, const NumberNews& change) {
   cuts_.resize(choice_.end());
-  CutChoice::Numbers stale = moved_ ? choice_.chosen() : change.come;
+  Numbers stale = moved_ ? choice_.chosen() : change.come;
   for (const int tile : tiles_.new_tiles()) {
     const cv::Rect box = tiles_.tile_box(tile);
-    const CutChoice::Numbers near = choice_.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), kLookTo_m + 2 * space.resolution_m);
+    const Numbers near = choice_.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), kLookTo_m + 2 * space.resolution_m);
     stale.insert(stale.end(), near.begin(), near.end());
   }
   moved_ = false;
@@ -202,7 +146,7 @@ std::vector<double> FloorParter::areas_m2(const Floor& floor, const KnownSpace& 
 
 /// Slots between cars join what they lead to, small regions a neighbour. @return for each cluster the one that stands for its region.
 std::vector<int> FloorParter::join_clusters(const std::vector<CutOpening>& cuts, const std::set<int>& slots, std::vector<double> area_m2) const {
-  Regions regions(std::move(area_m2));
+  JoinedRegions regions(std::move(area_m2));
   for (const CutOpening& cut : cuts)
     if (cut.parts() && (slots.count(cut.left) || slots.count(cut.right))) regions.join(cut.left, cut.right);
   join_small_regions(cuts, options_.min_room_m2, regions);
@@ -246,7 +190,7 @@ std::vector<int> FloorParter::number_regions(const std::vector<int>& roots, cons
 
 /// Gives the cuts the regions' numbers and takes down what each does: part two regions, lie within one, or neither.
 /// @return around those that part two and did not, or the other way round.
-Boxes FloorParter::take_cuts(std::vector<CutOpening>& cuts, const std::vector<int>& number_of, const CutChoice::Change& change, const KnownSpace& space) {
+Boxes FloorParter::take_cuts(std::vector<CutOpening>& cuts, const std::vector<int>& number_of, const NumberNews& change, const KnownSpace& space) {
   Boxes news;
   const auto becomes = [&](std::size_t number, int role) {
     const int before = std::exchange(cuts_[number].role, role);
@@ -307,7 +251,7 @@ Boxes FloorParter::update(const Floor& floor, const KnownSpace& space, const Wal
     parted_ = cv::Mat1b(floor.open.size(), std::uint8_t{0});
     partition_.labels = cv::Mat1i(floor.open.size(), 0);
   }
-  const CutChoice::Change change = choice_.update(news);
+  const NumberNews change = choice_.update(news);
   const Boxes parted = draw_cuts(floor, space, change, open);
   tiles_.update(parted_, parted);
   std::vector<CutOpening> cuts = look_beside(space, change);

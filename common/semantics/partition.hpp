@@ -61,15 +61,15 @@ class FloorParter {
   static constexpr int kNone = 0, kParts = -1;
 
   static cv::Rect box_of(const Gap& cut, const KnownSpace& space, double margin_m);
-  Boxes draw_cuts(const Floor& floor, const KnownSpace& space, const CutChoice::Change& change, const Boxes& open);
-  std::vector<CutOpening> look_beside(const KnownSpace& space, const CutChoice::Change& change);
+  Boxes draw_cuts(const Floor& floor, const KnownSpace& space, const NumberNews& change, const Boxes& open);
+  std::vector<CutOpening> look_beside(const KnownSpace& space, const NumberNews& change);
   void find_clusters(std::vector<CutOpening>& cuts);
   cv::Mat1b mask_of(int cluster) const;
   double walled_share(int cluster, const Floor& floor, const KnownSpace& space, const WallSet& walls) const;
   std::vector<double> areas_m2(const Floor& floor, const KnownSpace& space, const WallSet& walls);
   std::vector<int> join_clusters(const std::vector<CutOpening>& cuts, const std::set<int>& slots, std::vector<double> area_m2) const;
   std::vector<int> number_regions(const std::vector<int>& roots, const std::set<int>& slots, const std::vector<CutOpening>& cuts);
-  Boxes take_cuts(std::vector<CutOpening>& cuts, const std::vector<int>& number_of, const CutChoice::Change& change, const KnownSpace& space);
+  Boxes take_cuts(std::vector<CutOpening>& cuts, const std::vector<int>& number_of, const NumberNews& change, const KnownSpace& space);
   Boxes paint(const Floor& floor, const KnownSpace& space);
 
   PartitionOptions options_;
@@ -79,7 +79,7 @@ class FloorParter {
   cv::Mat1b parted_;                            ///< the floor without its cuts
   std::vector<Cut> cuts_;                       ///< by number
   bool moved_ = false;                          ///< the raster grew since the last round
-  CutChoice::Numbers healed_;                   ///< cuts within one region
+  Numbers healed_;                   ///< cuts within one region
   std::vector<int> cluster_of_;                 ///< of each region of tiles_, from 1
   std::vector<Region> clusters_;                ///< cluster k stands at k - 1
   std::vector<int> cluster_numbers_;            ///< at k: stays as long as the cluster stays the same

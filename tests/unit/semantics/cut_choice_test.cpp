@@ -30,7 +30,7 @@ std::vector<Gap> chosen_after(CutChoice& choice, std::vector<Gap> before, std::v
   std::set_difference(before.begin(), before.end(), now.begin(), now.end(), std::back_inserter(news.gone), is_surer);
   std::set_difference(now.begin(), now.end(), before.begin(), before.end(), std::back_inserter(news.come), is_surer);
   std::set<std::size_t> expected(choice.chosen().begin(), choice.chosen().end());
-  const CutChoice::Change change = choice.update(news);
+  const NumberNews change = choice.update(news);
   for (const std::size_t number : change.gone) REQUIRE(expected.erase(number) == 1);
   for (const std::size_t number : change.come) REQUIRE(expected.insert(number).second);
   REQUIRE(expected == std::set<std::size_t>(choice.chosen().begin(), choice.chosen().end()));
