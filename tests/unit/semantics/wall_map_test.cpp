@@ -2,7 +2,12 @@
 #include "common/semantics/furniture.hpp"
 #include "common/semantics/wall_map.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <set>
+#include <tuple>
+
+#include "common/world/random.hpp"
 
 using namespace modslam;
 
@@ -77,6 +82,63 @@ TEST_CASE("stretches that began far apart on one line are one band once the wall
   REQUIRE(bands.size() == 1);
   REQUIRE(bands[0].walls.size() == 4);
   for (std::size_t k = 1; k < 4; ++k) REQUIRE(bands[0].walls[k].a.x() > bands[0].walls[k - 1].b.x());
+}
+
+TEST_CASE("walls whose evidence comes and goes are those of all at once, and the news tell what became of each number") {
+  RandomStream random(31, RandomStreamId::kLaser);
+  std::vector<Segment> all;  // along streets 6 m apart, over many blocks, with gaps, seen a little differently each time
+  for (int street = 0; street < 5; ++street)
+    for (int k = 0; k < 40; ++k) {
+      const double along = random.uniform(0, 45), length = random.uniform(0.6, 6), across = 6 * street + random.uniform(-0.02, 0.02);
+      all.push_back(street % 2 ? segment(along, across, along + length, across) : segment(across, along, across, along + length));
+    }
+  double solid_to = 60;
+  int finished = 0;
+  const auto is_solid = [&](const Eigen::Vector2d& p) { return p.x() < solid_to; };
+  const auto finish = [&](Wall& w) { w.evidence = w.a.x() + 2 * w.b.y(), ++finished; };
+  const auto order = [](const Wall& p, const Wall& q) { return std::tuple(p.a.x(), p.a.y(), p.b.x(), p.b.y()) < std::tuple(q.a.x(), q.a.y(), q.b.x(), q.b.y()); };
+  WallMap map{WallMapOptions()};
+  std::vector<bool> in(all.size(), false);
+  std::set<std::size_t> there;
+  std::size_t most = 0;
+  for (int round = 0; round < 60; ++round) {
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (random.uniform(0, 1) < 0.04) {
+        in[k] = !in[k];
+        for (int twice = 0; twice < 2; ++twice) map.add(all[k], in[k] ? 1 : -1);
+      }
+    const double before = solid_to;
+    if (round % 7 == 0) solid_to = random.uniform(5, 60);
+    const WallMap::News news = map.update(is_solid, finish, {plan_box({std::min(before, solid_to), -1}, {std::max(before, solid_to), 60}, 0.3)});
+    for (const std::size_t number : news.gone) REQUIRE(there.erase(number) == 1);
+    for (const std::size_t number : news.come) REQUIRE(there.insert(number).second);
+    for (const std::size_t number : news.altered) REQUIRE(there.count(number) == 1);
+
+    WallMap anew{WallMapOptions()};
+    for (std::size_t k = 0; k < all.size(); ++k)
+      for (int twice = 0; in[k] && twice < 2; ++twice) anew.add(all[k], 1);
+    const WallMap::News everything = anew.update(is_solid, finish, {});
+    std::vector<Wall> kept, fresh;
+    for (const std::size_t number : there) kept.push_back(map.walls()[number]);
+    for (const std::size_t number : everything.come) fresh.push_back(anew.walls()[number]);
+    std::sort(kept.begin(), kept.end(), order);
+    std::sort(fresh.begin(), fresh.end(), order);
+    REQUIRE(kept.size() == fresh.size());
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      REQUIRE((kept[k].a == fresh[k].a && kept[k].b == fresh[k].b));
+      REQUIRE(kept[k].evidence == fresh[k].evidence);
+      REQUIRE(kept[k].at_a.across_m == fresh[k].at_a.across_m);
+    }
+    for (const WallBand& band : map.bands())
+      for (std::size_t k = 1; k < band.walls.size(); ++k) REQUIRE((band.walls[k].a - band.walls[k - 1].a).dot(band.walls[k].direction()) > 0);
+    for (const std::size_t number : there) {
+      const WallMap::Neighbours& beside = map.beside(number);
+      if (beside.after != WallMap::kNone) REQUIRE(map.beside(beside.after).before == number);
+      if (beside.before != WallMap::kNone) REQUIRE(map.beside(beside.before).after == number);
+    }
+    most = std::max(most, there.size());
+  }
+  REQUIRE(most > 20);
 }
 
 TEST_CASE("merging gives the same bytes for the same segments") {
