@@ -8,6 +8,7 @@ namespace modslam {
 namespace {
 
 constexpr double kBin_m = LineSums::kBin_m;
+constexpr double kNeverOutermost_m = 2;
 constexpr double kLongEnough_m2 = 0.04;  // variance along it from which on the points tell a line's direction
 
 /// To whole millimetres: a wall does not change with every scan that shows it once more.
@@ -31,6 +32,7 @@ Band::Band(const WallBlocks::Index& block, const WallBlocks::LineKey& key, const
   if (first < last)
     stretches_.push_back({WallBlocks::centre(block) + across.dot(offset) * across + kBin_m * static_cast<double>(first - sums.sightings.begin() - LineSums::kBins / 2) * d,
                           kBin_m * d, {first, last}});
+  for (const Stretch& stretch : stretches_) ends_ = {stretch.first, stretch.first + static_cast<double>(stretch.sightings.size()) * stretch.step};
   refit();
 }
 
@@ -42,14 +44,15 @@ void Band::refit() {
   if (direction_.dot(towards_) < 0) direction_ = -direction_;
   sigma_m_ = std::sqrt(std::max(0.0, half - spread) / n_);
   along_m2_ = (half + spread) / n_;
-  low_ = 1e300;
-  high_ = -1e300;
-  for (const Stretch& stretch : stretches_)
-    for (const double k : {0.0, static_cast<double>(stretch.sightings.size())}) {
-      low_ = std::min(low_, along(stretch.first + k * stretch.step));
-      high_ = std::max(high_, along(stretch.first + k * stretch.step));
-    }
-  if (stretches_.empty()) low_ = high_ = 0;
+  low_ = ends_.empty() ? 0 : 1e300;
+  high_ = ends_.empty() ? 0 : -1e300;
+  for (const Eigen::Vector2d& end : ends_) {
+    low_ = std::min(low_, along(end));
+    high_ = std::max(high_, along(end));
+  }
+  // However the line turns, what lies this far within stays within.
+  const auto is_within = [&](const Eigen::Vector2d& end) { return along(end) > low_ + kNeverOutermost_m && along(end) < high_ - kNeverOutermost_m; };
+  ends_.erase(std::remove_if(ends_.begin(), ends_.end(), is_within), ends_.end());
 }
 
 /// Of the least-squares line, at a place along it.
@@ -73,6 +76,7 @@ void Band::absorb(const Band& other) {
   towards_ += other.towards_;
   n_ = n;
   stretches_.insert(stretches_.end(), other.stretches_.begin(), other.stretches_.end());
+  ends_.insert(ends_.end(), other.ends_.begin(), other.ends_.end());
   refit();
 }
 

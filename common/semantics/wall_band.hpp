@@ -55,6 +55,7 @@ class Band {
   Eigen::Vector2d mean_, towards_, direction_;
   Eigen::Matrix2d scatter_;
   std::vector<Stretch> stretches_;
+  std::vector<Eigen::Vector2d> ends_;   ///< of stretches, those that may be outermost
 };
 
 }  // namespace modslam

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "common/graph/disjoint_sets.hpp"
@@ -18,20 +19,18 @@ std::array<double, 4> ends_of(const Wall& wall) { return {wall.a.x(), wall.a.y()
 /// Heaviest first, each takes what fits of the rest, until none fits any more.
 std::vector<Band> joined(std::vector<Band> bands, const WallMapOptions& options) {
   std::stable_sort(bands.begin(), bands.end(), [](const Band& p, const Band& q) { return p.points() > q.points(); });
-  std::vector<char> taken(bands.size(), false);
   std::vector<Band> out;
-  for (std::size_t i = 0; i < bands.size(); ++i) {
-    if (taken[i]) continue;
-    for (std::size_t j = i + 1; j < bands.size();) {
-      if (taken[j] || !bands[i].takes(bands[j], options)) {
-        ++j;
-        continue;
-      }
-      bands[i].absorb(bands[j]);
-      taken[j] = true;
-      j = i + 1;  // the longer band may reach others now
+  std::vector<std::size_t> left(bands.size());
+  std::iota(left.begin(), left.end(), std::size_t{0});
+  while (!left.empty()) {
+    Band& band = bands[left.front()];
+    left.erase(left.begin());
+    const auto next = [&] { return std::find_if(left.begin(), left.end(), [&](std::size_t k) { return band.takes(bands[k], options); }); };
+    for (auto taken = next(); taken != left.end(); taken = next()) {  // the longer band may reach others each time
+      band.absorb(bands[*taken]);
+      left.erase(taken);
     }
-    out.push_back(std::move(bands[i]));
+    out.push_back(std::move(band));
   }
   return out;
 }
