@@ -200,12 +200,10 @@ Boxes FloorParter::take_cuts(std::vector<CutOpening>& cuts, const std::vector<in
   };
   for (const std::size_t number : change.gone) becomes(number, kNone);
   partition_.cuts.clear();
-  healed_.clear();
   for (CutOpening& cut : cuts) {
     for (int* side : {&cut.left, &cut.right}) *side = number_of[static_cast<std::size_t>(*side)];
     becomes(cut.number, !cut.left || !cut.right ? kNone : cut.parts() ? kParts : cut.left);
     if (cut.parts()) partition_.cuts.push_back(cut);
-    else if (cut.left && cut.right) healed_.push_back(cut.number);
   }
   return news;
 }
@@ -229,11 +227,15 @@ Boxes FloorParter::paint(const Floor& floor, const KnownSpace& space) {
       for (int x = box.x; x < box.br().x; ++x) labels[x] = numbers[pieces[x]];
     }
   }
-  const cv::Rect all = bounds(repainted);
-  for (const std::size_t number : healed_) {
+  Numbers healed;
+  for (const cv::Rect& box : windows(repainted, 0, floor.open.size()))
+    for (const std::size_t number : choice_.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), 2 * space.resolution_m))
+      if (cuts_[number].role > 0) healed.push_back(number);
+  tidy(healed);
+  std::sort(healed.begin(), healed.end(), [&](std::size_t p, std::size_t q) { return choice_[p].order() < choice_[q].order(); });  // they may end in one cell
+  for (const std::size_t number : healed) {
     const Gap& cut = choice_[number];
-    const cv::Rect box = box_of(cut, space, 0);
-    if (!meet(all, box) || !meet(repainted, box)) continue;
+    if (!meet(repainted, box_of(cut, space, 0))) continue;
     cv::LineIterator cells(partition_.labels, space.cell(cut.a), space.cell(cut.b), 8);
     for (int k = 0; k < cells.count; ++k, ++cells)
       if (floor.open(cells.pos()) && partition_.labels(cells.pos()) == 0) partition_.labels(cells.pos()) = cuts_[number].role;

@@ -79,7 +79,6 @@ class FloorParter {
   cv::Mat1b parted_;                            ///< the floor without its cuts
   std::vector<Cut> cuts_;                       ///< by number
   bool moved_ = false;                          ///< the raster grew since the last round
-  Numbers healed_;                   ///< cuts within one region
   std::vector<int> cluster_of_;                 ///< of each region of tiles_, from 1
   std::vector<Region> clusters_;                ///< cluster k stands at k - 1
   std::vector<int> cluster_numbers_;            ///< at k: stays as long as the cluster stays the same
