@@ -11,7 +11,6 @@
 namespace modslam {
 namespace {
 
-constexpr double kAtOutline_m = 0.2;  // walls lie this near the outline of their room
 constexpr double kBehind_m = 0.2;     // a face hides what lies this far behind it
 constexpr double kWholeFront_m = 1.2;  // a shorter front may be what a chair leaves to be seen of a longer one
 constexpr double kNewsTogether_m = 1.0;  // changes this near are looked at as one
@@ -77,13 +76,10 @@ Object at_wall(const std::array<Eigen::Vector2d, 4>& ring) {
 }
 
 /// A door leads to rooms; a small space behind it that is none was seen through it and may be anything.
-void drop_doors_to_glimpses(std::vector<Door>& doors, const Partition& partition, const std::vector<Room>& rooms, double cell_m, double glimpse_m2) {
-  std::vector<int> regions;
-  for (const Room& room : rooms) regions.push_back(room.region);
-  std::sort(regions.begin(), regions.end());
+void drop_doors_to_glimpses(std::vector<Door>& doors, const Partition& partition, const RoomMap& rooms, double cell_m, double glimpse_m2) {
   const auto is_doubtful = [&](int number) {
     const FloorRegion* region = partition.find(number);
-    return region && region->is_glimpse(cell_m, glimpse_m2) && !std::binary_search(regions.begin(), regions.end(), number);
+    return region && region->is_glimpse(cell_m, glimpse_m2) && !rooms.is_room(number);
   };
   const auto leads_there = [&](const Door& door) { return is_doubtful(door.region_a) || is_doubtful(door.region_b); };
   doors.erase(std::remove_if(doors.begin(), doors.end(), leads_there), doors.end());
@@ -106,8 +102,7 @@ void Interpreter::follow(const KnownSpace& space) {
   openings_.grow(growth);
   parter_.grow(growth);
   rooms_.grow(growth);
-  hidden_ = grown(hidden_, growth, 0);
-  for (auto& [region, ring] : known_rings_) ring.box += growth.shift;
+  hidden_.grow(growth);
 }
 
 WallMap::News Interpreter::find_walls(const KnownSpace& space, const Boxes& changed, const LogOdds& wall_log_odds, Boxes odds_changed) {
@@ -199,64 +194,21 @@ NumberNews Interpreter::take_walls(const NumberNews& faces, const KnownSpace& sp
   return news;
 }
 
-/// Draws what is inside rooms, off their outlines, and no floor. @return where that changed.
-Boxes Interpreter::find_hidden(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open) {
-  Boxes changed;
-  if (hidden_.size() != space.occupancy.size()) {
-    hidden_ = cv::Mat1b(space.occupancy.size(), std::uint8_t{0});
-    known_rings_.clear();
-    changed.emplace_back(cv::Point(0, 0), hidden_.size());
-  }
-  const int thick = 2 * static_cast<int>(std::lround(kAtOutline_m / space.resolution_m)) + 1;
-  const auto ring_of = [&](const std::vector<Eigen::Vector2d>& outline, const cv::Point& corner) {
-    std::vector<cv::Point> ring;
-    for (const Eigen::Vector2d& p : outline) ring.push_back(space.cell(p) - corner);
-    return ring;
-  };
-  Boxes stirred = open;
-  for (auto& [region, ring] : known_rings_) ring.stays = false;
-  for (const Room& room : rooms) {
-    Ring& ring = known_rings_[room.region];
-    ring.stays = true;
-    if (ring.outline == room.outline) continue;
-    stirred.push_back(ring.box);
-    ring = {room.outline, grown(cv::boundingRect(ring_of(room.outline, {0, 0})), thick)};
-    stirred.push_back(ring.box);
-  }
-  for (auto known = known_rings_.begin(); known != known_rings_.end();) {
-    if (!known->second.stays) stirred.push_back(known->second.box);
-    known = known->second.stays ? std::next(known) : known_rings_.erase(known);
-  }
-  for (const cv::Rect& box : windows(stirred, 0, hidden_.size())) {
-    cv::Mat1b part(box.size(), std::uint8_t{0});
-    std::vector<std::vector<cv::Point>> near;
-    for (const auto& [region, ring] : known_rings_) {
-      if (!meet(ring.box, box)) continue;
-      near.push_back(ring_of(ring.outline, box.tl()));
-      cv::fillPoly(part, std::vector<std::vector<cv::Point>>{near.back()}, cv::Scalar(255));
-    }
-    cv::polylines(part, near, true, cv::Scalar(0), thick);
-    part.setTo(0, floor_.open(box));
-    take_over(hidden_, box, part, changed);
-  }
-  return changed;
-}
-
 /// Faces that stand in a room, off its outline, with what nobody saw behind them, belong to what is in the room: parked cars, beds, counters.
 /// @return numbers of walls that were asked whether they are such.
-Numbers Interpreter::find_hiding(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open, const NumberNews& news) {
+Numbers Interpreter::find_hiding(const KnownSpace& space, const Boxes& open, const NumberNews& news) {
   const auto hides = [&](const Wall& wall) {
     if (wall.length_m() > kLongestFront_m) return false;
     const Eigen::Vector2d u = wall.direction(), from = wall.a - kBehind_m * wall.normal();
     int behind = 0, looked = 0;
     for (double s = 0.1, length_m = wall.length_m(); s < length_m; s += 0.1, ++looked) {
       const cv::Point c = space.cell(from + s * u);
-      behind += space.inside(c) && hidden_(c);
+      behind += space.inside(c) && hidden_.contains(c);
     }
     return 2 * behind > looked;
   };
   Numbers stirred = news.come;
-  for (const cv::Rect& box : find_hidden(rooms, space, open)) {
+  for (const cv::Rect& box : hidden_.update(rooms_.news(), space, floor_, open)) {
     const double cell_m = space.resolution_m;
     const Numbers near = known_walls_.near(space.place(box.x, box.y), space.place(box.br().x, box.br().y), kBehind_m + cell_m);
     stirred.insert(stirred.end(), near.begin(), near.end());
@@ -302,8 +254,8 @@ std::vector<Wall> Interpreter::update(const KnownSpace& space, const Boxes& chan
   layers.doors = find_doors(parter_.partition(), sightings_, doors);
   parted.insert(parted.end(), changed.begin(), changed.end());
   layers.rooms = rooms_.update(parter_.partition(), floor_, space, parted);
-  drop_doors_to_glimpses(layers.doors, parter_.partition(), layers.rooms, space.resolution_m, room_options(config_).glimpse_m2);
-  const Numbers asked = find_hiding(layers.rooms, space, floor.open, news);
+  drop_doors_to_glimpses(layers.doors, parter_.partition(), rooms_, space.resolution_m, room_options(config_).glimpse_m2);
+  const Numbers asked = find_hiding(space, floor.open, news);
   return list_walls(together({&news.gone, &news.come, &asked}), together({&found.altered, &ends}), space, layers.walls);
 }
 

@@ -6,6 +6,7 @@
 
 #include "common/semantics/door_map.hpp"
 #include "common/semantics/furniture.hpp"
+#include "common/semantics/hidden_space.hpp"
 #include "common/semantics/object_finder.hpp"
 #include "common/semantics/room_finder.hpp"
 #include "common/semantics/semantics_config.hpp"
@@ -37,9 +38,8 @@ class Interpreter {
   std::vector<bool> pieces_of_wall(const KnownSpace& space) const;
   NumberNews take_faces(const WallMap::News& found, const std::vector<bool>& dropped, const KnownSpace& space);
   NumberNews take_walls(const NumberNews& faces, const KnownSpace& space, const Boxes& changed);
-  Boxes find_hidden(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open);
   std::vector<Wall> list_walls(const Numbers& doubtful, const Numbers& altered, const KnownSpace& space, std::vector<Wall>& walls);
-  Numbers find_hiding(const std::vector<Room>& rooms, const KnownSpace& space, const Boxes& open, const NumberNews& news);
+  Numbers find_hiding(const KnownSpace& space, const Boxes& open, const NumberNews& news);
 
   SemanticsConfig config_;
   cv::Rect frame_;                  ///< of the space in its lattice, when it was last seen
@@ -55,13 +55,7 @@ class Interpreter {
   FurnitureMap furniture_;          ///< among walls that stand on no object
   WallSet known_walls_;             ///< those that are not, before those in rooms are dropped
   WallEnds wall_ends_;              ///< of these
-  struct Ring {
-    Corners outline;
-    cv::Rect box;                   ///< of cells around it
-    bool stays = true;              ///< in this round
-  };
-  std::map<int, Ring> known_rings_; ///< of rooms, by region
-  cv::Mat1b hidden_;                ///< inside rooms, off their outlines, and no floor
+  HiddenSpace hidden_;
   std::vector<char> hides_;         ///< by number of the wall: stands before what is hidden
   WallList list_;                   ///< of those that do not
 };

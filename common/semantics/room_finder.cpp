@@ -25,6 +25,17 @@ double doorway_m(const Gap& cut, const Eigen::Vector2d& n, IsFloor is_floor) {
   return depth_m;
 }
 
+/// What came as it went is no news.
+void drop_both(std::vector<Corners>& gone, std::vector<Corners>& come) {
+  const auto went = [&](const Corners& outline) {
+    const auto same = std::find(gone.begin(), gone.end(), outline);
+    if (same == gone.end()) return false;
+    gone.erase(same);
+    return true;
+  };
+  come.erase(std::remove_if(come.begin(), come.end(), went), come.end());
+}
+
 }  // namespace
 
 RoomPatch RoomMap::patch_of(const FloorRegion& region, const Partition& partition, const Floor& floor, const KnownSpace& space, bool glimpse) const {
@@ -81,7 +92,10 @@ std::unique_ptr<RoomMap::Look> RoomMap::look_at(const FloorRegion& region, const
   const bool is_room = make_room(patch, options_, made);
   cv::bitwise_or(picture, patch.matters, picture);
   auto look = std::make_unique<Look>(Look{region, glimpse, picture, is_room ? std::optional<Room>(made) : std::nullopt});
-  if (is_room) listed_.insert(place_of(*look), look.get());
+  if (is_room) {
+    listed_.insert(place_of(*look), look.get());
+    news_.come.push_back(made.outline);
+  }
   return look;
 }
 
@@ -92,6 +106,7 @@ std::vector<Room> RoomMap::update(const Partition& partition, const Floor& floor
     const cv::Rect from = grown(region, kMargin + static_cast<int>(2 * kDoorway_m / cell_m));
     return meet(all, from) && meet(changed, from);
   };
+  news_ = {};
   Looks now, spare;
   std::vector<std::pair<std::size_t, const FloorRegion*>> stale;
   auto known = looks_.begin();
@@ -110,12 +125,21 @@ std::vector<Room> RoomMap::update(const Partition& partition, const Floor& floor
   for (; known != looks_.end(); ++known) spare.push_back(std::move(*known));
   for (const auto& [place, region] : stale) now[place] = look_at(*region, partition, floor, space, region->is_glimpse(cell_m, options_.glimpse_m2), spare);
   for (const std::unique_ptr<Look>& gone : spare)
-    if (gone && gone->room) listed_.erase(std::find(place_of(*gone), listed_.end(), gone.get()));
+    if (gone && gone->room) {
+      listed_.erase(std::find(place_of(*gone), listed_.end(), gone.get()));
+      news_.gone.push_back(gone->room->outline);
+    }
   looks_ = std::move(now);
+  drop_both(news_.gone, news_.come);
   std::vector<Room> rooms;
   rooms.reserve(listed_.size());
   for (const Look* look : listed_) rooms.push_back(*look->room);
   return rooms;
+}
+
+bool RoomMap::is_room(int region) const {
+  const auto look = std::lower_bound(looks_.begin(), looks_.end(), region, [](const std::unique_ptr<Look>& one, int number) { return one->region.number < number; });
+  return look != looks_.end() && (*look)->region.number == region && (*look)->room;
 }
 
 void RoomMap::grow(const Growth& growth) {

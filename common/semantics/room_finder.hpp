@@ -22,6 +22,14 @@ class RoomMap {
   std::vector<Room> update(const Partition& partition, const Floor& floor, const KnownSpace& space, const Boxes& changed);
   void grow(const Growth& growth);
 
+  /// Outlines of rooms that are there since the last update, or are not any more.
+  struct News {
+    std::vector<Corners> gone, come;
+  };
+  const News& news() const { return news_; }
+  /// Whether a region of the partition of the last update is one.
+  bool is_room(int region) const;
+
  private:
   /// What was looked at, and what came of it. Most of what is new around a room makes no difference to it.
   struct Look {
@@ -38,6 +46,7 @@ class RoomMap {
 
   RoomOptions options_;
   Looks looks_;                  ///< by rising number of the region
+  News news_;
   std::vector<const Look*> listed_;  ///< those at rooms, by the rooms' first corners
 };
 
