@@ -66,7 +66,7 @@ NumberNews CutChoice::update(const GapNews& news) {
   for (const Gap& gap : news.gone) {
     const std::size_t number = find(gap);
     if (number == slots_.end()) continue;
-    index_.remove(gap.a, gap.b, number);
+    index_.remove_line(gap.a, gap.b, number);
     slots_.give_back(number);
     gone.push_back(number);
   }
@@ -78,7 +78,7 @@ NumberNews CutChoice::update(const GapNews& news) {
     }
   for (const Gap& gap : news.come) {
     const std::size_t number = slots_.take({gap, false});
-    index_.add(gap.a, gap.b, number);
+    index_.add_line(gap.a, gap.b, number);
     queue.emplace(gap.order(), number);
   }
   // Who is looked at has only surer ones to heed, and those are settled.

@@ -16,6 +16,14 @@ constexpr double kAround_m = 0.3;  // what says whether a wall is solid lies thi
 
 std::array<double, 4> ends_of(const Wall& wall) { return {wall.a.x(), wall.a.y(), wall.b.x(), wall.b.y()}; }
 
+/// Whether a box of plan cells reaches to what says whether the line is solid: by the axes of the box and by the line's normal.
+bool is_beside(const cv::Rect& box, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  if (!meet(plan_box(a, b, kAround_m), box)) return false;
+  const Eigen::Vector2d middle = kPlanCell_m * (Eigen::Vector2d(box.x, box.y) + 0.5 * Eigen::Vector2d(box.width, box.height)) - a;
+  const Eigen::Vector2d half = 0.5 * kPlanCell_m * Eigen::Vector2d(box.width, box.height), d = (b - a).normalized();
+  return std::abs(d.x() * middle.y() - d.y() * middle.x()) <= std::abs(d.y()) * half.x() + std::abs(d.x()) * half.y() + kAround_m + kPlanCell_m;
+}
+
 /// Heaviest first, each takes what fits of the rest, until none fits any more.
 std::vector<Band> joined(std::vector<Band> bands, const WallMapOptions& options) {
   std::stable_sort(bands.begin(), bands.end(), [](const Band& p, const Band& q) { return p.points() > q.points(); });
@@ -131,7 +139,6 @@ std::vector<std::vector<WallMap::Member>> WallMap::chains_of(const std::vector<M
   return out;
 }
 
-cv::Rect WallMap::Line::from() const { return plan_box(band.low_end(), band.high_end(), kAround_m); }
 
 /// @return first members of chains whose lines are not known.
 std::set<WallMap::Member> WallMap::rechain(const std::set<Index>& blocks, const std::set<Member>& fresh, Numbers& gone) {
@@ -177,12 +184,12 @@ Numbers WallMap::join(const std::set<Member>& chains, Numbers& gone) {
         continue;
       }
       lines.push_back(lines_.take({one, {}, true}));
-      line_index_.add(one.low_end(), one.high_end(), lines.back());
+      line_index_.add_line(one.low_end(), one.high_end(), lines.back());
       come.push_back(lines.back());
     }
   }
   for (const std::size_t k : gone) {
-    line_index_.remove(lines_[k].band.low_end(), lines_[k].band.high_end(), k);
+    line_index_.remove_line(lines_[k].band.low_end(), lines_[k].band.high_end(), k);
     lines_[k].is_there = false;
     lines_.give_back(k);
   }
@@ -194,7 +201,7 @@ Numbers WallMap::lines_near(const Boxes& changed) const {
   for (const cv::Rect& box : changed) {
     const Eigen::Vector2d low = kPlanCell_m * Eigen::Vector2d(box.x, box.y), high = kPlanCell_m * Eigen::Vector2d(box.br().x, box.br().y);
     line_index_.each_near(low, high, kAround_m + 2 * kPlanCell_m, [&](std::size_t k) {
-      if (meet(lines_[k].from(), box)) near.push_back(k);
+      if (is_beside(box, lines_[k].band.low_end(), lines_[k].band.high_end())) near.push_back(k);
     });
   }
   return near;
@@ -204,7 +211,10 @@ Numbers WallMap::lines_near(const Boxes& changed) const {
 WallMap::News WallMap::read_walls(const Numbers& gone, const Numbers& stale, const IsSolid& is_solid, const Finish& finish, const Boxes& changed) {
   News news;
   const cv::Rect all = bounds(changed);
-  const auto is_stirred = [&](const cv::Rect& box) { return meet(all, box) && meet(changed, box); };
+  const auto is_stirred = [&](const Wall& wall) {
+    const auto is_near = [&](const cv::Rect& box) { return is_beside(box, wall.a, wall.b); };
+    return is_near(all) && std::any_of(changed.begin(), changed.end(), is_near);
+  };
   std::map<Ends, std::size_t> known;
   for (const Numbers* lines : {&gone, &stale})
     for (const std::size_t k : *lines)
@@ -222,7 +232,7 @@ WallMap::News WallMap::read_walls(const Numbers& gone, const Numbers& stale, con
         continue;
       }
       Wall& before = walls_[same->second];
-      if (is_stirred(plan_box(wall.a, wall.b, kAround_m))) {
+      if (is_stirred(wall)) {
         finish(wall);
       } else {
         wall.evidence = before.evidence;

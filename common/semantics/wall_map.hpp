@@ -61,7 +61,6 @@ class WallMap {
     Band band;
     Numbers walls;
     bool is_there = true;
-    cv::Rect from() const;                ///< cells that its walls depend on, but for the band
   };
 
   bool find_bands(const Index& index, std::set<Member>& fresh);

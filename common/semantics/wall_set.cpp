@@ -15,13 +15,13 @@ void WallSet::put(std::size_t number, const Wall& wall) {
   walls_[number] = wall;
   is_in_[number] = true;
   ++size_;
-  index_.add(wall.a, wall.b, number);
+  index_.add_line(wall.a, wall.b, number);
 }
 
 void WallSet::drop(std::size_t number) {
   is_in_[number] = false;
   --size_;
-  index_.remove(walls_[number].a, walls_[number].b, number);
+  index_.remove_line(walls_[number].a, walls_[number].b, number);
 }
 
 void WallSet::take(const NumberNews& news, const Slots<Wall>& walls) {
