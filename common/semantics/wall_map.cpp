@@ -139,7 +139,6 @@ std::vector<std::vector<WallMap::Member>> WallMap::chains_of(const std::vector<M
   return out;
 }
 
-
 /// @return first members of chains whose lines are not known.
 std::set<WallMap::Member> WallMap::rechain(const std::set<Index>& blocks, const std::set<Member>& fresh, Numbers& gone) {
   std::vector<Chain> dissolved;
